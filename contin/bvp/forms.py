@@ -21,6 +21,7 @@ from contin.abi import Array
 from contin.bvp.on_mesh import OnMesh
 from contin.records import Fields
 
+NOISE: Final = 1e-8  # of the largest part of a null vector, in the rows' own units: more is not known of the others
 TRUST: Final = 1e-7  # of the sum of a coefficient's terms, in which collocation has errors of its own
 
 
@@ -34,10 +35,15 @@ class Reduction:
         self.weights = _weights(mesh, x)
         size = sqrt(float(self.weights @ (q * q)))
         self.q = q / (size if size > 0.0 else 1.0)
-        part = self.q * np.sqrt(self.weights)
-        self.q = self.q * (1.0 if part[int(np.argmax(np.abs(part)))] >= 0.0 else -1.0)
+        weighed = self.q * np.sqrt(self.weights)
+        self.q = self.q * (1.0 if weighed[int(np.argmax(np.abs(weighed)))] >= 0.0 else -1.0)
         left = linear.factor.solve_transposed(q)
         self.left = left / np.abs(left).max()
+        rows = linear.magnitude(np.abs(self.q))
+        part = np.abs(self.left) * rows
+        self._rounded = np.abs(self.left) + np.where(
+            rows > 0.0, NOISE * part.max() / np.where(rows > 0.0, rows, 1.0), 0
+        )
         row = self.weights * self.q
         self._bordered = linear.bordered(self.left[:, None], row[:, None], np.zeros((1, 1)))
 
@@ -46,8 +52,8 @@ class Reduction:
         return float(self.left @ r)
 
     def gross(self, r: Array) -> float:
-        """The sum of the moduli of the terms of <p, r>."""
-        return float(np.abs(self.left) @ np.abs(r))
+        """The sum of the moduli of the terms of <p, r>, entries of p no smaller than rounding leaves them."""
+        return float(self._rounded @ np.abs(r))
 
     def response(self, r: Array) -> Array:
         """h with F_u h = -(r - <p, r> p / <p, p>) and mean(q . h) = 0, as a direction in x."""

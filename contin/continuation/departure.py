@@ -26,6 +26,7 @@ from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 
 NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
+BEYOND = 1e-9  # of the range: a start this far outside it was solved for, and lies on its bound
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -116,6 +117,7 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
     parameter = problem.parameters[0]
     if not bounds[0] < bounds[1]:
         raise InputError(f"range of {parameter}: the lower bound must be below the upper one; got {list(bounds)}")
+    bounds = _with_rounding(bounds, float(seed.z[-1]))
     if not seed.born and not bounds[0] <= seed.z[-1] <= bounds[1]:
         raise InputError(
             f"the start has {parameter} = {seed.z[-1]:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]"
@@ -145,6 +147,13 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
     notes = tuple(item.text for item in seen if isinstance(item, Note))
     return Departure(seed, bounds, settings, scale, start, here, known, notes)
+
+
+def _with_rounding(bounds: tuple[float, float], value: float) -> tuple[float, float]:
+    """The bounds, moved to a start that was solved for and lies beyond one by no more than a solution's errors."""
+    slack = BEYOND * (bounds[1] - bounds[0])
+    low, high = bounds
+    return value if low - slack <= value < low else low, value if high < value <= high + slack else high
 
 
 def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample, list[Found | Note]]:

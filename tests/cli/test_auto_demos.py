@@ -1,7 +1,7 @@
 """Demos of AUTO-07p as run files: what they find beside closed forms and published numbers."""
 
 import json
-from math import acosh, e, exp, pi, sin, sqrt
+from math import acosh, cos, e, exp, pi, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -16,12 +16,41 @@ FOLD = 2 / (3 * sqrt(3))  # of mu + x - x^3
 BRATU = 3.513830719125161  # 8 k^2 / cosh(k)^2 where k tanh(k) = 1
 HEIGHT_TWO = 8 * acosh(e) ** 2 / e**2  # Bratu's solution 2 log(cosh(k)/cosh(k (1 - 2 t))) of height 2
 
+
 def saturation(slope: float, low: float, high: float) -> float:
     """s0 = s + 100 R(s) where R(s) = s/(1 + s + s^2) has this slope, between two values of s."""
     s = brentq(lambda s: (1 - s * s) / (1 + s + s * s) ** 2 - slope, low, high, xtol=1e-15)
     return float(s + 100 * s / (1 + s + s * s))
 
 
+def turning_of_tor(nu: float) -> float:
+    """Routh and Hurwitz's condition of (s + a)(s^2 + b s + 1) - c s, the circuit at rest."""
+    a, b, c = (0.5 + nu) / 0.6, 0.5 - 0.6, 0.25 / 0.6
+    return (a + b) * (1 + a * b - c) - a
+
+
+def turning_of_ops(l3: float) -> float:
+    """The same for (l1 s - l4 (1 - l3^2) + 1/l2)(s + 1/l2) s + s + 1/l2 - s/l2^2, times l1^2: of the circuit ops."""
+    l1, l2, l4 = 0.5, 4.0, 2.0
+    a, b = (l4 * (l3 * l3 - 1) + 1 / l2) / l1, 1 / l2
+    first, second, third = a + b, a * b + 1 / l1 - b * b / l1, b / l1
+    return first * second - third
+
+
+def trace_of_plp(rho: float) -> float:
+    """Of the enzyme's equilibrium, between a = 50 and 110; s from s0 - s = 0.2 (500 - a)."""
+
+    def balance(s: float) -> float:
+        a = 500 - (110 - s) / 0.2
+        return 110 - s - rho * s * a / (1 + s + 0.1 * s * s)
+
+    s = brentq(balance, 10.5 if rho > 4.2 else 25.0, 26.0 if rho > 4.2 else 35.0, xtol=1e-14)
+    a, d = 500 - (110 - s) / 0.2, 1 + s + 0.1 * s * s
+    return float(-1 - rho * (a * d - s * a * (1 + 0.2 * s)) / d**2 - 0.2 - rho * s / d)
+
+
+GRAZED = (2 + sqrt(8.5)) / 6
+OPS = brentq(turning_of_ops, 0.8, 1.0)
 WANTED = {
     "cusp": {"line.LP": ("mu", [-FOLD, FOLD]), "folds.CP": ("mu", [0])},
     "ab": {"line.LP": ("p1", FOLDS_OF_AB)},
@@ -52,6 +81,23 @@ WANTED = {
         "folds.R1": ("alpha", [-1]), "folds.LPPD": ("alpha", [0]),
     },
     "pp3": {"start.BP": ("p1", [3 / 4])},  # (4 - 1/4)/5
+    "apbp": {"one.BP": ("p2", [1]), "folds.LP": ("p3", [1 / 4])},
+    "lcbp": {"cycles.BPC": ("p1", [2])},
+    "vhb": {"rest.HB": ("p", [0]), "cycles.HOM": ("p", [0])},
+    "nep": {"zero.BP": ("p", [n * n * pi * pi / 2 for n in (1, 2, 3)])},
+    "sspg": {"bare.BP": ("s", [1 / (1 - exp(-1))])},
+    "ext": {"zero.BP": ("lam", [1, 2, 3])},
+    "tim": {"line.BP": ("p", [BRATU])},
+    # u = (1 + exp(z/sqrt 6))^-2 at c = 5/sqrt 6, its steepest slope
+    "fsh": {"front.UZ": ("v.max", [8 / 27 / sqrt(6), 0.04998011])},
+    "nag": {"front.UZ": ("c", [sqrt(2) / 4, -sqrt(2) / 4])},
+    "ppp": {"two.BP": ("p1", [0.55]), "prey.BP": ("p1", [1.25 / 6 / (1 - exp(-5 / 6))])},
+    # x = (b1 - 1)/(2 b1); and y = 1/8 on the prey's nullcline 8 (1 - x) (1 + 3 x) = 5
+    "tfc": {"two.HB": ("d1", [5 / 6]), "two.BP": ("d1", [5 * GRAZED / (1 + 3 * GRAZED)])},
+    "tor": {"rest.BP": ("nu", [-1 / 2]), "rest.HB": ("nu", [brentq(turning_of_tor, -0.7, -0.55)])},
+    "ops": {"rest.HB": ("l3", [-OPS, OPS])},
+    "plp": {"rest.HB": ("rho", [brentq(trace_of_plp, 3.2, 3.8), brentq(trace_of_plp, 4.3, 5.0)])},
+    "pen": {"turns.PD": ("I", [0.17916378])},  # tested below
 }  # fmt: skip
 
 
@@ -95,3 +141,51 @@ def test_a_problem_that_depends_on_the_place_ends_where_its_trajectory_does(tmp_
         start = [0.0, columns["u2.start"][row]]
         end = solve_ivp(lambda x, u, p1=p1: [u[1], -p1 * exp(x**3 * u[0])], (0, 1), start, rtol=1e-11, atol=1e-12)
         assert end.y[:, -1] == pytest.approx([0.0, columns["u2.end"][row]], abs=1e-7)
+
+
+def test_rotations_of_pendula_double_where_their_difference_turns_by_half(tmp_path):
+    """pen: the rotation by its return to a = 2 pi, the difference's multipliers along it, by simulation."""
+
+    def rates(_, y, drive):
+        a, u, d1, e1, d2, e2 = y
+        pull = -(cos(a) + 0.35)
+        return [u, -0.1 * u - sin(a) + drive, e1, pull * d1 - 0.1 * e1, e2, pull * d2 - 0.1 * e2]
+
+    def turn(drive, speed):
+        once = lambda t, y, drive: y[0] - 2 * pi  # noqa: E731
+        once.terminal = True
+        found = solve_ivp(rates, (0, 50), [0, speed, 1, 0, 0, 1], args=(drive,), events=once, rtol=1e-11, atol=1e-12)
+        return found.y[:, -1]
+
+    def off(drive):
+        speed = brentq(lambda v: turn(drive, v)[1] - v, 2.0, 4.0, xtol=1e-11)
+        _, _, d1, e1, d2, e2 = turn(drive, speed)
+        return (d1 + 1) * (e2 + 1) - d2 * e1
+
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "pen.yaml"), "--quiet", "--json", str(out))
+    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    (point,) = [p for p in branches["turns"]["points"] if p["type"] == "PD"]
+    assert point["values"]["I"] == pytest.approx(brentq(off, 0.17, 0.19, xtol=1e-10), abs=1e-8)
+
+
+def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end(tmp_path):
+    """stw at lam = 1/2: the unstable manifold of (1, 0) passes the saddle (0, c) on one side or the other."""
+
+    def beyond(c):
+        rate = (c + sqrt(c * c + 10)) / 2  # of the linearisation [[0, 5/2], [1, c]]
+        start = [1 - 1e-7, -1e-7 * rate / 2.5]
+
+        def rates(_, y):
+            u, v = y
+            return [(2 * u + u * u / 2) * v, c * v - (1 + u / 2) * v * v - u * (1 - u)]
+
+        near = lambda t, y: y[0] - 1e-9  # noqa: E731
+        near.terminal = True
+        return solve_ivp(rates, (0, 200), start, events=[near], rtol=1e-11, atol=1e-13).y[1, -1] - c
+
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "stw.yaml"), "--quiet", "--json", str(out))
+    (wave,) = json.loads(out.read_text())["branches"]
+    (point,) = [p for p in wave["points"] if p["type"] == "UZ"]
+    assert point["values"]["c"] == pytest.approx(brentq(beyond, -0.6, -0.58, xtol=1e-9), abs=1e-6)

@@ -19,7 +19,7 @@ from contin.problems.orbits.homoclinic.reversor import Reversor
 from contin.problems.orbits.homoclinic.solved import solved_connection
 from contin.problems.orbits.homoclinic.symmetric import crossings, half_of
 from contin.problems.orbits.homoclinic.table import Path, as_profile
-from contin.problems.orbits.homoclinic.trajectories import Between, approaches, trajectory, turns
+from contin.problems.orbits.homoclinic.trajectories import Between, approaches_from_either, trajectory, turns
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import indices
@@ -69,7 +69,7 @@ class ConnectingOrbit:
         self._check_count(n - stable, n - unstable, persists)
         orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(n), 4)
         q, guesses = 0.0 if persists else float(self.p[second]), []
-        for piece in self._guesses(float(self.p[first])):
+        for piece in self._guesses(float(self.p[first]), n - stable, n - unstable):
             winding = turns(self.periods, piece.u[-1] - self.saddles[1])
             loop = self.between.is_loop
             curve = ConnectionCurve(
@@ -126,10 +126,12 @@ class ConnectingOrbit:
             raise InputError(words + f"such orbits need {1 - free} special parameters; these are not followed")
         raise InputError(words + "such orbits form families at fixed parameters, none of which is told from the others")
 
-    def _guesses(self, parameter: float) -> list[Profile]:
+    def _guesses(self, parameter: float, leaving: int, arriving: int) -> list[Profile]:
+        """Samples, or trajectories; of manifolds of these dimensions."""
         if self.path is not None:
             return [as_profile(self.path, self.between, parameter)]
-        return [trajectory(self.between, one, parameter) for one in approaches(self.between)]
+        found = approaches_from_either(self.between, leaving, arriving)
+        return [trajectory(self.between, one, parameter) for one in found]
 
     @cached_property
     def between(self) -> Between:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError, NotFiniteError
+from contin.lowering.system import compile_system
 from contin.machine import elementary
+from contin.model.expression import neg
 from contin.problems.orbits.layout import Profile
 from contin.simulate.trajectory import integrate
 
@@ -29,12 +32,16 @@ MOST: Final = 4  # guesses
 
 @dataclass(frozen=True, eq=False)
 class Approach:
-    """A trajectory from `start` that is at its nearest to the second saddle at `time`, `gap` of its extent from it."""
+    """A trajectory from `start` that is at its nearest to the second saddle at `time`, `gap` of its extent from it.
+
+    backwards : it starts at the second saddle, and runs back in time to the first one.
+    """
 
     gap: float
     start: Array
     time: float
     rank: float  # of several the least is tried first
+    backwards: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +58,14 @@ class Between:
     def apart(self, u: Array, v: Array) -> Array:
         """The difference of states (rows of them), of angles but for whole turns."""
         return np.asarray(u - v - turns(self.periods, u - v))
+
+    def backwards(self) -> Between:
+        """The same with time running back: what left the first saddle leaves the second one."""
+        model = self.system.model
+        reverse = model.replace(
+            equations=tuple(neg(e) for e in model.equations), events=(), symmetries=(), rotation={}, observables={}
+        )
+        return replace(self, system=compile_system(reverse), saddles=self.saddles[::-1])
 
 
 def turns(periods: Array, difference: Array) -> Array:
@@ -96,8 +111,24 @@ def approaches(between: Between) -> list[Approach]:
     return sorted(found, key=lambda one: one.rank)[:MOST]
 
 
+def approaches_from_either(between: Between, leaving: int, arriving: int) -> list[Approach]:
+    """Those from the saddle whose manifold (of dimension `leaving`, or `arriving`) has fewer directions, first.
+
+    Of a manifold of many dimensions the directions cannot all be tried, and those of nearly all lead elsewhere.
+    """
+    if between.is_loop or arriving >= leaving or not between.system.model.equations:
+        return approaches(between)
+    found = [replace(one, backwards=True) for one in approaches(between.backwards())]
+    with suppress(NoSolutionError):  # there are guesses already
+        found += approaches(between)
+    return found
+
+
 def trajectory(between: Between, approach: Approach, parameter: float) -> Profile:
     """The trajectory up to its approach, on equal intervals."""
+    if approach.backwards:
+        back = trajectory(between.backwards(), replace(approach, backwards=False), parameter)
+        return replace(back, u=np.ascontiguousarray(back.u[::-1]))
     time = approach.time
     h = np.full(INTERVALS, 1.0 / INTERVALS)
     empty = Profile(4, np.empty((4 * INTERVALS + 1, between.system.n)), time, h, parameter)
