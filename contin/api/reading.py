@@ -7,7 +7,7 @@ that wrote them.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -17,7 +17,7 @@ from contin.api.read_branches import branch_of
 from contin.api.read_regions import phase_of
 from contin.api.read_runs import StoredSimulation, lyapunov_of, simulation_of, survey_of, sweep_of
 from contin.api.surveys import Survey
-from contin.continuation.branch import Branch
+from contin.continuation.branch import Branch, BranchesByName
 from contin.diagram.diagram import Diagram
 from contin.diagram.phase.diagram import PhaseDiagram
 from contin.errors import InputError
@@ -47,7 +47,7 @@ class Drawable(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Results:
+class Results(BranchesByName):
     """The branches of a result file in their order, by name; `notes` in words; `document`, all that the file says.
 
     diagram, phase : of a run that has them beside other branches.  simulations : trajectories by name.  sweep : if any.
@@ -60,19 +60,6 @@ class Results:
     phase: PhaseDiagram | None = None
     simulations: Mapping[str, StoredSimulation] = field(default_factory=dict)
     sweep: Sweep | None = None
-
-    def __iter__(self) -> Iterator[Branch]:
-        return iter(self.branches)
-
-    def __len__(self) -> int:
-        return len(self.branches)
-
-    def __getitem__(self, name: str) -> Branch:
-        for branch in self.branches:
-            if branch.name == name:
-                return branch
-        known = ", ".join(branch.name for branch in self.branches) or "none"
-        raise KeyError(f"no branch {name!r}; branches: {known}")
 
     def plot(self, ax: Axes | None = None, **options: object) -> Figure:
         """A matplotlib figure, as that of what was saved; options: `contin.plot.look.Look`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -226,3 +226,22 @@ class Branch:
             kind = (self.described or {}).get("kind", "flow") if system is None else getattr(system, "kind", "flow")
             return self.locus in ("LPC", "BPC", "PD", "NS", "UZ") or kind == "map"
         return self.kind in ("orbit", "fixed-point")
+
+
+class BranchesByName:
+    """What has `branches`: they come in their order, and by name."""
+
+    branches: Sequence[Branch]
+
+    def __iter__(self) -> Iterator[Branch]:
+        return iter(self.branches)
+
+    def __len__(self) -> int:
+        return len(self.branches)
+
+    def __getitem__(self, name: str) -> Branch:
+        for branch in self.branches:
+            if branch.name == name:
+                return branch
+        known = ", ".join(branch.name for branch in self.branches) or "none"
+        raise KeyError(f"no branch {name!r}; branches: {known}")

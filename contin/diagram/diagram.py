@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contin import lazy
-from contin.continuation.branch import Branch
+from contin.continuation.branch import Branch, BranchesByName
 from contin.continuation.frames import dataframes
 from contin.diagram.graph import build_graph
 from contin.diagram.report import report
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False, repr=False)
-class Diagram:
+class Diagram(BranchesByName):
     """What the explorer found: `branches` in the order in which they were followed, `notes` in words.
 
     `explorer` holds what is needed to go on: `extend` continues an end with another range, `follow` a labelled point.
@@ -39,19 +38,6 @@ class Diagram:
     explorer: Any = None
     stopped: bool = False  # by the user
     unfinished: list[str] = field(default_factory=list)  # those of the notes that say what a budget left
-
-    def __iter__(self) -> Iterator[Branch]:
-        return iter(self.branches)
-
-    def __len__(self) -> int:
-        return len(self.branches)
-
-    def __getitem__(self, name: str) -> Branch:
-        for branch in self.branches:
-            if branch.name == name:
-                return branch
-        known = ", ".join(b.name for b in self.branches) or "none"
-        raise KeyError(f"no branch {name!r}; branches: {known}")
 
     @property
     def graph(self) -> MultiGraph:

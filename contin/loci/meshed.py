@@ -9,11 +9,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from contin.abi import Array
+from contin.loci.augmented import Scalars
 from contin.loci.base import Base
 from contin.model.model import Model
 from contin.problems.orbits.layout import Profile
@@ -116,6 +117,18 @@ class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
         widths = [parameter_width(self.model, name, float(v), ends) for name, v, ends in triples]
         inner = self.at(z).initial_scale(self.inner(z), ranges[0])
         return self.joined(inner, np.array([*[1.0] * self.extra, *widths[::-1]]))
+
+
+@dataclass(frozen=True)
+class MeshedUnfolding:
+    """Branch points that nothing forces: a parameter more takes the place of the unfolding."""
+
+    base: MeshedBase[Any]
+    text: str = "branch points"
+
+    def near(self, problem: object, z: Array, scale: Array) -> Scalars:
+        place = -1 - len(self.base.places)
+        return lambda at: at[[place]]
 
 
 def trimmed(z: Array) -> Array:

@@ -15,6 +15,7 @@ from contin.errors import InputError
 from contin.loci.adaptive import AdaptiveCurve
 from contin.loci.augmented import Scalars
 from contin.loci.boundary import BoundaryBase
+from contin.loci.meshed import MeshedUnfolding
 from contin.loci.of_points import places
 
 
@@ -27,18 +28,6 @@ class Cusp:
 
     def near(self, problem: object, z: Array, scale: Array) -> Scalars:
         return self.base.cusp(z)
-
-
-@dataclass(frozen=True)
-class Unfolding:
-    """Branch points that nothing forces: a parameter more takes the place of the unfolding."""
-
-    base: BoundaryBase
-    text: str = "branch points"
-
-    def near(self, problem: object, z: Array, scale: Array) -> Scalars:
-        place = -1 - len(self.base.places)
-        return lambda at: at[[place]]
 
 
 def boundary_base(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str]) -> BoundaryBase:
@@ -61,7 +50,7 @@ def start(base: BoundaryBase, z: Array) -> Array:
 def curve_of(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent | None) -> Seed:
     """The curve of folds or branch points through one in two parameters; of generic branch points in three."""
     base = boundary_base(problem, z, type_, parameters)
-    held = (Unfolding(base),) if len(parameters) == 3 else ()
+    held = (MeshedUnfolding(base),) if len(parameters) == 3 else ()
     curve = AdaptiveCurve(base, held, type_, tuple(parameters), problem.two.free)
     return Seed(curve, start(base, z), parent=parent)
 

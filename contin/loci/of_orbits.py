@@ -13,6 +13,7 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.loci.adaptive import AdaptiveCurve
 from contin.loci.augmented import Scalars
+from contin.loci.meshed import MeshedUnfolding
 from contin.loci.of_points import onto, places
 from contin.loci.orbits import CRITICAL, OrbitBase
 from contin.model.model import Model
@@ -60,18 +61,6 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
     return replace(seed, problem=made, z=onto(made, start), direction=None, scale=None)
 
 
-@dataclass(frozen=True)
-class Unfolding:
-    """Branch points that nothing forces: a parameter more takes the place of the unfolding."""
-
-    base: OrbitBase
-    text: str = "branch points"
-
-    def near(self, problem: object, z: Array, scale: Array) -> Scalars:
-        place = -1 - len(self.base.places)
-        return lambda at: at[[place]]
-
-
 def branch_points(problem: OrbitProblem, z: Array, parameters: Sequence[str], parent: Parent) -> Seed:
     """The curve of branch points in the first parameter, where the other two are those of the curve."""
     values = problem.base.copy()
@@ -79,4 +68,4 @@ def branch_points(problem: OrbitProblem, z: Array, parameters: Sequence[str], pa
     found = tuple(places(problem.system.parameter_names, parameters))
     base = OrbitBase(replace(problem, base=values, active=found[0]), found, "BPC")
     start = np.concatenate([z[:-1], np.zeros(1), values[list(found)][::-1]])
-    return Seed(AdaptiveCurve(base, (Unfolding(base),), "BPC", tuple(parameters)), start, parent=parent)
+    return Seed(AdaptiveCurve(base, (MeshedUnfolding(base),), "BPC", tuple(parameters)), start, parent=parent)

@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Parent
 from contin.continuation.departure import Seed
+from contin.continuation.homotopy import without_offset
 from contin.errors import InputError
 from contin.loci.points import PointBase
 from contin.loci.problem import AugmentedCurve
@@ -20,7 +21,6 @@ from contin.problems.loci.bordered import BorderedCurve
 from contin.problems.loci.problem import LocusProblem
 
 RESTS_ON = {"CP": "LP", "BT": "LP", "GH": "HB", "ZH": "HB", "HH": "HB", "BP": "BP"}  # curves in three parameters
-SHORTEST = 1.0 / 256.0  # step of the homotopy onto the conditions
 
 
 def places(names: Sequence[str], parameters: Sequence[str]) -> list[int]:
@@ -77,27 +77,16 @@ def onto(problem: AugmentedCurve, z: Array) -> Array:
     near = problem.near(z, scale)
     if near is not None:
         for fixed in range(len(problem.names)):
-            found = _homotopy(problem, z, near.values(z), scale, -1 - fixed)
+            index = -1 - fixed
+
+            def solved(offset: Array, guess: Array, index: int = index) -> Array | None:
+                shifted = replace(problem, offset=tuple(offset.tolist()))
+                return shifted.at_unknown(index, guess, float(guess[index]), scale)
+
+            found = without_offset(z, near.values(z), solved)
             if found is not None:
                 return found
     raise InputError(
         f"no {problem.type} near the start meets the conditions ({', '.join(h.text for h in problem.held)}) for any "
         f"nearby {', '.join(problem.free)}; start nearer to them"
     )
-
-
-def _homotopy(problem: AugmentedCurve, z: Array, off: Array, scale: Array, index: int) -> Array | None:
-    done, step = 0.0, 1.0
-    if not np.all(np.isfinite(off)):
-        return None
-    while done < 1.0:
-        share = min(1.0, done + step)
-        shifted = replace(problem, offset=tuple(((1.0 - share) * off).tolist()))
-        found = shifted.at_unknown(index, z, float(z[index]), scale)
-        if found is None:
-            step *= 0.5
-            if step < SHORTEST:
-                return None
-            continue
-        z, done, step = found, share, 2.0 * step
-    return z

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
+from contin.continuation.homotopy import without_offset
 from contin.continuation.problem import (
     NOTHING,
     Chunk,
@@ -41,7 +42,6 @@ TEST_OF: Final = {  # the test whose zero a labelled point is
 }  # fmt: skip
 TOLERANCE: Final = 1e-11
 ITERATIONS: Final = 12
-SHORTEST: Final = 1.0 / 256.0  # step of the homotopy onto the conditions
 DIFFERENCE: Final = 1e-5  # part of a free parameter's scale by which it is moved for a derivative
 SOLVED: Final = 1e-12  # of the conditions, relative to their change over the scale of the free parameters
 STALLED: Final = 1e-7
@@ -210,23 +210,12 @@ class Conditioned(Problem):
         return python_march.with_one_fixed(self, -1, guess, value, scale, TOLERANCE)
 
     def onto_conditions(self, z: Array, scale: Array) -> Array | None:
-        """From a solution to one that meets the conditions, at the same value of the varying parameter.
+        """From a solution to one that meets the conditions, at the same value of the varying parameter."""
 
-        By homotopy: what they are off by is taken away in steps as long as Newton's method can follow.
-        """
-        off, done, step = self.condition_values(z), 0.0, 1.0
-        if not np.all(np.isfinite(off)):
-            return None
-        while done < 1.0:
-            share = min(1.0, done + step)
-            found = self.shifted((1.0 - share) * off, z).at_parameter(z, float(z[-1]), scale)
-            if found is None:
-                step *= 0.5
-                if step < SHORTEST:
-                    return None
-                continue
-            z, done, step = found, share, 2.0 * step
-        return z
+        def solved(offset: Array, guess: Array) -> Array | None:
+            return self.shifted(offset, guess).at_parameter(guess, float(guess[-1]), scale)
+
+        return without_offset(z, self.condition_values(z), solved)
 
     @abstractmethod
     def shifted(self, offset: Array, z: Array) -> Conditioned:

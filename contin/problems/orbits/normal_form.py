@@ -64,9 +64,14 @@ def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> 
         fine = coefficient(problem, point.type, solved.finer or solved)
     except (np.linalg.LinAlgError, ZeroDivisionError) as reason:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
-    name, value, error = NAMES[point.type], coarse.value, coarse.error(fine)
-    if not coarse.is_known(error):
+    return stated(point, coarse, coarse.error(fine))
+
+
+def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:
+    """The point with its coefficient b, c or d and the error, and the criticality of PD and NS."""
+    if not coefficient.is_known(error):
         return replace(point, remark=f"{point.type}: {UNKNOWN}")
+    name, value = NAMES[point.type], complex(coefficient.value)
     form: dict[str, object] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
     if point.type != "LPC":
         form["criticality"] = sense(value.real, error)

@@ -27,16 +27,14 @@ from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
-from contin.normalforms.result import sense
 from contin.problems.no_derivatives import NoDerivatives
-from contin.problems.orbits.normal_form import UNKNOWN
+from contin.problems.orbits.normal_form import stated
 from contin.problems.shooting.return_map import ReturnMap
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
 
 SHEARLESS: Final = 1e-7  # change of the period, relative to it and to the eigenvector, up to which it is none
-NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
 
 def fold(returns: ReturnMap, factor: int = 1) -> Coefficient:
@@ -89,10 +87,4 @@ def with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) ->
         fine, coarse = (coefficient(returns, point.type, theta, factor) for factor in (1, 2))
     except (NoDerivatives, np.linalg.LinAlgError, ZeroDivisionError) as error:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({error})")
-    name, value, error_ = NAMES[point.type], complex(fine.value), fine.error(coarse)
-    if not fine.is_known(error_):
-        return replace(point, remark=f"{point.type}: {UNKNOWN}")
-    form: dict[str, object] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
-    if point.type != "LPC":
-        form["criticality"] = sense(value.real, error_)
-    return replace(point, normal_form={**form, "errors": {name: error_}})
+    return stated(point, fine, fine.error(coarse))
