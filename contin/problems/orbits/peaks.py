@@ -2,13 +2,16 @@
 
 A polynomial of degree m rises above its values at the nodes by at most (L - 1)/2 of their range, L the Lebesgue
 constant of the nodes (Trefethen, Approximation Theory and Approximation Practice, ch. 15): only intervals that can
-hold the largest value are sampled, wherever its node stands. Above its samples it rises by far less (Markov's bound of
-its second derivative): few of these intervals are searched further.
+hold the largest value are looked at, wherever its node stands, and of these only such are sampled whose control polygon
+rises above all nodes. Above its samples a polynomial rises by far less (Markov's bound of its second derivative): few
+intervals are searched further.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
+from math import comb
 from typing import Final
 
 import numpy as np
@@ -54,8 +57,11 @@ def _largest(flat: Array, highest: Array, above: Array, m: int, sign: float) -> 
     highest, above (F, N) : the highest node of each interval, and what the function may rise above it.
     """
     best: Array = highest.max(axis=1)
-    rows, columns = np.nonzero(highest + above >= best[:, None])
-    pieces = sign * flat[rows[:, None], columns[:, None] * m + np.arange(m + 1)]
+    rows, columns = np.divmod(np.flatnonzero(highest + above > best[:, None]), highest.shape[1])
+    pieces = sign * flat.ravel().take((rows * flat.shape[1] + columns * m)[:, None] + np.arange(m + 1))
+    polygons = (pieces @ _control(m)).T
+    kept = np.flatnonzero(np.maximum.reduce([*polygons[1:-1]]) > best[rows])  # its ends are nodes
+    rows, pieces = rows[kept], pieces[kept]
     samples = pieces @ _sampling(m)
     place = samples.argmax(axis=1)
     tops = samples[np.arange(len(rows)), place]
@@ -68,24 +74,23 @@ def _largest(flat: Array, highest: Array, above: Array, m: int, sign: float) -> 
 def _tops(pieces: Array, place: NDArray[np.intp]) -> Array:
     """Values of polynomials (K, m + 1) at their tops beside the largest samples: by Newton's method on the slope."""
     m = pieces.shape[1] - 1
-    series = np.einsum("kij,kj->ki", _series(m)[place], pieces)  # Taylor's, about the largest sample
+    series = np.einsum("kij,kj->ki", _series(m)[place], pieces).T  # Taylor's, about the largest sample
+    slopes = [float(power) * series[power] for power in range(m, 0, -1)]
+    bends = [float(power * (power - 1)) * series[power] for power in range(m, 1, -1)]
     middle, reach = _places(m)[place], 1.0 / (SAMPLES * m)
     low, high = np.maximum(-reach, -middle), np.minimum(reach, 1.0 - middle)
     s = np.zeros(len(pieces))
     for _ in range(STEPS):
-        slope, bend = _derivative(series, s, 1), _derivative(series, s, 2)
+        slope, bend = _horner(slopes, s), _horner(bends, s)
         s = np.clip(s - slope / np.where(bend < 0.0, bend, -np.abs(slope) / (0.5 * reach) - TINY), low, high)
     return np.asarray(np.einsum("kj,kj->k", interpolation(m, middle + s), pieces))
 
 
-def _derivative(series: Array, s: Array, order: int) -> Array:
-    """Derivative of that order of polynomials with coefficients `series` (K, m + 1) at s (K,), by Horner's rule."""
-    total = np.zeros(len(s))
-    for power in range(series.shape[1] - 1, order - 1, -1):
-        factor = 1.0
-        for k in range(order):
-            factor *= power - k
-        total = total * s + factor * series[:, power]
+def _horner(coefficients: Sequence[Array], s: Array) -> Array:
+    """A polynomial at s (K,), the coefficient of its highest power first."""
+    total = coefficients[0]
+    for coefficient in coefficients[1:]:
+        total = total * s + coefficient
     return total
 
 
@@ -93,6 +98,14 @@ def _derivative(series: Array, s: Array, order: int) -> Array:
 def _places(m: int) -> NDArray[np.float64]:
     """Samples of an interval."""
     return np.linspace(0.0, 1.0, SAMPLES * m + 1)
+
+
+@cache
+def _control(m: int) -> NDArray[np.float64]:
+    """(m + 1, m + 1): coefficients in Bernstein's polynomials, between which all values lie, from values at nodes."""
+    x = basis(m).nodes
+    below, above = np.vander(x, m + 1, increasing=True), np.vander(1.0 - x, m + 1, increasing=True)[:, ::-1]
+    return np.ascontiguousarray(np.linalg.inv(np.array([comb(m, j) for j in range(m + 1)]) * below * above).T)
 
 
 @cache
