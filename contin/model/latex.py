@@ -23,8 +23,9 @@ from contin.model.printing import (
     Piece,
     finite_decimal,
     is_division,
+    joined,
     leading_number,
-    signed_terms,
+    summed,
     written,
 )
 
@@ -98,7 +99,7 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
     if op == "pi":
         return ATOM, [r"\pi"]
     if op == "add":
-        return SUM, _sum(node)
+        return SUM, summed(node)
     if op == "mul" or is_division(node):
         return _product(node)
     if op == "pow":
@@ -112,15 +113,8 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
     if op in ("and", "or"):
         level = AND if op == "and" else OR
         word = r" \text{ " + op + " } "
-        return level, _joined(args, word, level + 1)
+        return level, joined(args, word, level + 1)
     return _call(node)
-
-
-def _joined(nodes: tuple[Expression, ...], separator: str, weakest: int) -> list[Piece]:
-    parts: list[Piece] = [(nodes[0], weakest)]
-    for node in nodes[1:]:
-        parts += [separator, (node, weakest)]
-    return parts
 
 
 def _call(node: Expression) -> tuple[int, list[Piece]]:
@@ -140,7 +134,7 @@ def _call(node: Expression) -> tuple[int, list[Piece]]:
         head = f"\\{op}"
     else:
         head = _OPERATORS.get(op, rf"\operatorname{{{op}}}")
-    return ATOM, [head, r"\left(", *_joined(args, ", ", TERNARY), r"\right)"]
+    return ATOM, [head, r"\left(", *joined(args, ", ", TERNARY), r"\right)"]
 
 
 def _cases(node: Expression) -> list[Piece]:
@@ -150,17 +144,6 @@ def _cases(node: Expression) -> list[Piece]:
         parts += [(then, TERNARY), r" & \text{if } ", (condition, TERNARY), r" \\ "]
         node = otherwise
     return [*parts, (node, TERNARY), r" & \text{otherwise} \end{cases}"]
-
-
-def _sum(node: Expression) -> list[Piece]:
-    parts: list[Piece] = []
-    for negative, term in signed_terms(node):
-        if parts:
-            parts.append(" - " if negative else " + ")
-        elif negative:
-            parts.append("-")
-        parts.append((term, PRODUCT))
-    return parts
 
 
 def _product(node: Expression) -> tuple[int, list[Piece]]:

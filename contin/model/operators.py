@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 from contin.model.expression import Expression, add, rebuild
+from contin.model.walk import from_operands
 
 
 def as_written(root: Expression) -> Expression:
     """`a + b + c` is (a + b) + c to Python; here it becomes one sum of three terms, as in a text. O(nodes)."""
-    done: dict[Expression, Expression] = {}
-    stack = [root]
-    while stack:
-        node = stack[-1]
-        if node in done:
-            stack.pop()
-            continue
-        operands = _operands(node)
-        waiting = [a for a in operands if a not in done]
-        if waiting:
-            stack.extend(waiting)
-            continue
-        stack.pop()
-        args = tuple(done[a] for a in operands)
-        done[node] = add(*args) if node.op == "add" else rebuild(node, args) if args else node
-    return done[root]
+    return from_operands(root, _operands, _made)
+
+
+def _made(node: Expression, args: tuple[Expression, ...]) -> Expression:
+    return add(*args) if node.op == "add" else rebuild(node, args) if args else node
 
 
 def _operands(node: Expression) -> tuple[Expression, ...]:

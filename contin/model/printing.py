@@ -127,7 +127,7 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
     if op == "pi":
         return ATOM, ["pi"]
     if op == "add":
-        return SUM, _sum(node)
+        return SUM, summed(node)
     if op == "mul":
         negated = len(args) == 2 and args[0] is MINUS_ONE and not is_division(args[1])
         return SIGN if negated else PRODUCT, _product(node)
@@ -142,11 +142,12 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
         return NOT, ["not ", (args[0], NOT)]
     if op in ("and", "or"):
         level = AND if op == "and" else OR
-        return level, _joined(list(args), f" {op} ", level + 1)
-    return ATOM, [f"{op}(", *_joined(_arguments(node), ", ", TERNARY), ")"]
+        return level, joined(args, f" {op} ", level + 1)
+    return ATOM, [f"{op}(", *joined(_arguments(node), ", ", TERNARY), ")"]
 
 
-def _joined(nodes: list[Expression], separator: str, weakest: int) -> list[Piece]:
+def joined(nodes: Sequence[Expression], separator: str, weakest: int) -> list[Piece]:
+    """Nodes with a separator between them."""
     parts: list[Piece] = [(nodes[0], weakest)]
     for node in nodes[1:]:
         parts += [separator, (node, weakest)]
@@ -162,7 +163,8 @@ def _arguments(node: Expression) -> list[Expression]:
     return [*node.args, *reversed(arguments)]
 
 
-def _sum(node: Expression) -> list[Piece]:
+def summed(node: Expression) -> list[Piece]:
+    """A sum with its signs."""
     parts: list[Piece] = []
     for negative, term in signed_terms(node):
         if parts:

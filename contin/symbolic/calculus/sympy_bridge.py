@@ -29,6 +29,7 @@ from contin.model.expression import (
     power,
     symbol,
 )
+from contin.model.walk import from_operands
 from contin.records import Sympy
 
 if TYPE_CHECKING:
@@ -118,21 +119,7 @@ def from_sympy(value: Sympy) -> Expression:
 
     Raises `BridgeError` for anything outside the grammar (complex numbers, unevaluated integrals, special functions).
     """
-    done: dict[Sympy, Expression] = {}
-    stack = [value]
-    while stack:
-        item = stack[-1]
-        if item in done:
-            stack.pop()
-            continue
-        parts = _operands(item)
-        waiting = [p for p in parts if p not in done]
-        if waiting:
-            stack.extend(waiting)
-            continue
-        done[item] = _from(item, [done[p] for p in parts])
-        stack.pop()
-    return done[value]
+    return from_operands(value, _operands, lambda item, parts: _from(item, list(parts)))
 
 
 def _operands(item: Sympy) -> tuple[Sympy, ...]:

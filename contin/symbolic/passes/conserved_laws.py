@@ -23,6 +23,7 @@ from contin.machine import elementary
 from contin.model.expression import Expression, add, mul, number, power, sub, symbol
 from contin.model.model import Model
 from contin.model.parts import TIME
+from contin.symbolic.calculus.echelon import echelon, fractions
 from contin.symbolic.calculus.monomials import Monomial, Monomials, Terms, common_monomial, divided
 from contin.symbolic.calculus.sampling import sample
 from contin.symbolic.passes.rational_kernels import Row, left_kernel, plain_basis
@@ -198,21 +199,8 @@ def _by_numbers(rates: Sequence[Expression], draws: _Draws, names: Sequence[str]
 
 def _rational_rows(space: Array) -> list[Row]:
     """Echelon form of the columns, where all of its entries are simple fractions."""
-    rows = space.T.copy()
-    done = 0
-    for column in range(rows.shape[1]):
-        if done == len(rows):
-            break
-        pivot = done + int(np.argmax(np.abs(rows[done:, column])))
-        if abs(rows[pivot, column]) <= 1e-7 * np.abs(rows).max():
-            continue
-        rows[[done, pivot]] = rows[[pivot, done]]
-        rows[done] /= rows[done, column]
-        for k in range(len(rows)):
-            if k != done:
-                rows[k] -= rows[k, column] * rows[done]
-        done += 1
-    simple = [[Fraction(float(a)).limit_denominator(LARGEST_WHOLE) for a in row] for row in rows]
+    rows = echelon(space.T, 1e-7, relative=True)
+    simple = fractions(rows, LARGEST_WHOLE)
     return [
         whole for whole, row in zip(simple, rows, strict=True)
         if np.allclose([float(a) for a in whole], row, rtol=1e-7, atol=1e-7)

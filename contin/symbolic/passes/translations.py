@@ -18,6 +18,7 @@ from contin.model.expression import add, mul, number, sub, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import TIME
 from contin.symbolic.calculus.derivatives import sparse_jacobian
+from contin.symbolic.calculus.echelon import echelon, fractions
 from contin.symbolic.calculus.monomials import Monomials
 from contin.symbolic.calculus.sampling import sample
 from contin.symbolic.passes.conserved_laws import rates_of
@@ -77,23 +78,7 @@ def _candidates(model: Model) -> list[list[Fraction]]:
         return []
     _, singular, right = np.linalg.svd(rows, full_matrices=True)
     space = right[int(np.sum(singular > NOTHING * singular[0])) :]
-    return _echelon(space)
-
-
-def _echelon(space: Array) -> list[list[Fraction]]:
-    rows, done = space.copy(), 0
-    for column in range(rows.shape[1]):
-        if done == len(rows):
-            break
-        pivot = done + int(np.argmax(np.abs(rows[done:, column])))
-        if abs(rows[pivot, column]) > 1e-7:
-            rows[[done, pivot]] = rows[[pivot, done]]
-            rows[done] /= rows[done, column]
-            for k in range(len(rows)):
-                if k != done:
-                    rows[k] -= rows[k, column] * rows[done]
-            done += 1
-    return [[Fraction(float(a)).limit_denominator(1000) for a in row] for row in rows]
+    return fractions(echelon(space, 1e-7, relative=False), 1000)
 
 
 def _holds(model: Model, direction: dict[str, Fraction]) -> bool:
