@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 MOST_TOLD: Final = 4  # singular values that are looked at: kernels of up to three dimensions
 VANISHING: Final = 1e-6  # a singular value below this part of the first that does not vanish is zero
+NEARBY: Final = 1e-2  # a singular value below this part of the fourth one belongs to a branch point nearby
 LOOSE: Final = 1e-9  # a part of the largest term below which a singular value leaves corrections of rounding only
 
 
@@ -62,3 +63,14 @@ def kernel_dimension(mesh: OnMesh, x: Array) -> int:
     """
     values = np.sort(_smallest(mesh, x, MOST_TOLD)[0])
     return max(1, int(np.count_nonzero(values[:-1] < VANISHING * values[-1])))
+
+
+def nearly_null(mesh: OnMesh, x: Array) -> Array:
+    """Right singular vectors (n, k) of F_u at x whose singular values are small beside the next one, smallest first."""
+    basis = _smallest(mesh, x, MOST_TOLD)[1]
+    linear = mesh.linear(x)
+    assert linear is not None
+    _, values, rotation = np.linalg.svd(linear.matrix @ basis, full_matrices=False)
+    order = np.argsort(values)
+    few = int(np.count_nonzero(values < NEARBY * values.max()))
+    return np.asarray(basis @ rotation.T[:, order[: max(1, min(few, MOST_TOLD - 1))]])

@@ -7,6 +7,7 @@ of the branch. The stated error holds what the same point moves to on a mesh of 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp import forms
 from contin.bvp.condensed import residual_at
-from contin.bvp.kernel import kernel_dimension, null_vector
+from contin.bvp.kernel import kernel_dimension, nearly_null, null_vector
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import InputError
@@ -65,16 +66,49 @@ def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> 
     other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
     if other is None:
         return unverified(type_, "it is not there on a mesh of twice as many intervals")
+    crowded = False
     if type_ == "BP":
         form = _decided(mesh, x, form, scatter + abs(other - float(x[-1])))
+        crowded = nearly_null(mesh, x).shape[1] > 1
     error = scatter + ORDER * abs(other - float(x[-1])) + ROUNDING * abs(float(x[-1]))
-    return Verified(type_, mesh.full(x), residual, error, NO_VALUES, 0, form, vectors)
+    return Verified(type_, mesh.full(x), residual, error, NO_VALUES, 0, form, vectors, crowded=crowded)
 
 
 def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-    """Several changes at one place: a branch point, else a fold."""
+    """Several changes at one place: the branch points there, else a fold."""
     types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
-    return [verify(problem, types[0], a, frame)] if types else []
+    if not types:
+        return []
+    return _together(problem, a, frame) if types[0] == "BP" else [verify(problem, "LP", a, frame)]
+
+
+def _together(problem: BoundaryProblem, near: Sample, frame: Frame) -> Sequence[Outcome]:
+    """The branch points next to a sample, one for each small singular value, and a word where fewer are found."""
+    mesh = OnMesh(problem, problem.profile(near.z).h)
+    here, local = _in_unknowns(mesh, near), Frame(mesh.unknowns(frame.scale))
+    if mesh.at(here.z) is None:
+        return [verify(problem, "BP", near, frame)]
+    directions = nearly_null(mesh, here.z)
+    found: list[Outcome] = []
+    for q in directions.T:
+        first = _branch_point(mesh, here, local, q)
+        if isinstance(first, Rejected):
+            continue
+        one = verify(problem, "BP", replace(near, z=mesh.full(first[0])), frame)
+        if isinstance(one, Verified) and not any(_is_one(one, o, mesh, local) for o in found):
+            found.append(one)
+    if not found:
+        return [verify(problem, "BP", near, frame)]
+    kernel = max(int(o.normal_form.get("kernel", 1)) for o in found if isinstance(o, Verified))
+    if len(found) < directions.shape[1] and kernel == 1:
+        found.append(unverified("BP", "others lie so close to it that they are not told apart"))
+    return found
+
+
+def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:
+    assert isinstance(b, Verified)
+    apart = norm((mesh.unknowns(a.z) - mesh.unknowns(b.z)) / frame.scale)
+    return apart <= 3.0 * (a.error + b.error) / float(frame.scale[-1]) + ROUNDING
 
 
 Found = tuple[Array, float, float, Fields, Fields]  # x, residual, error, normal form, vectors
@@ -97,9 +131,11 @@ def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
     return at.z, residual, error, forms.fold(mesh, at.z, q), {}
 
 
-def reduction(mesh: OnMesh, x: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
-    """The reduced equation at x, bordered by the null vector of F_u (returned too) and the direction across it."""
-    q = null_vector(mesh, x)
+def reduction(
+    mesh: OnMesh, x: Array, tangent: Array, scale: Array, q: Array | None = None
+) -> tuple[Reduced, Array]:  # fmt: skip
+    """The reduced equation at x, bordered by q (the null vector of F_u; returned too) and the direction across it."""
+    q = null_vector(mesh, x) if q is None else q
     null = np.append(q, 0.0) / scale
     null /= norm(null)
     other = tangent - (tangent @ null) * null
@@ -113,8 +149,8 @@ def reduction(mesh: OnMesh, x: Array, tangent: Array, scale: Array) -> tuple[Red
     return Reduced(mesh, rows, left / norm(left)), q
 
 
-def _branch_point(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
-    reduced, _ = reduction(mesh, near.z, near.tangent, frame.scale)
+def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = None) -> Found | Rejected:
+    reduced, _ = reduction(mesh, near.z, near.tangent, frame.scale, q)
     found = reduced.branch_point(near.z)
     if found is None:
         return unverified("BP", "Newton on the reduced equation did not converge")

@@ -290,8 +290,10 @@ def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> It
         items = together_between(stretch, replace(a, z=z), replace(b, z=z))
         together = [item for item in items if isinstance(item, Verified)]
         if any(item.type == found.point.type for item in together):
-            for item in together:
-                yield Found(found.length, anchored_on_branch(item, stretch.base), found.sample)
+            base, scale = stretch.base, stretch.frame.scale
+            lengths = [float(base.tangent @ ((item.z - base.z) / scale)) for item in together]
+            for k in np.argsort(lengths, kind="stable"):
+                yield Found(lengths[k], anchored_on_branch(together[k], base), found.sample)
             return
     yield found
 

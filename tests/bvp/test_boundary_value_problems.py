@@ -267,3 +267,19 @@ def test_the_place_of_a_failure_is_told_in_the_users_variable():
     }  # fmt: skip
     with pytest.raises(NoSolutionError, match=r"square root of a negative number, 'x' = -0"):
         boundary_guess(Model("m", **parts)).seed("q")
+
+
+@pytest.mark.parametrize("e", [1e-2, 1e-3, 1e-6])
+def test_three_branch_points_within_one_step_are_three_labels(e):
+    """Three copies of the sine's problem, at q = 1 - k e: one change of the determinant's sign tells of them all."""
+    parts = {"kind": "bvp", "parameters": {"q": {"value": 0.53, "range": [0.5, 1.5]}}, "states": {}, "equations": {}}
+    parts["conditions"] = []
+    for k, name in enumerate("abc"):
+        parts["states"] |= {name: 0, f"{name}p": 0}
+        parts["equations"] |= {name: f"{name}p", f"{name}p": f"-((q + {k * e:.9f})*pi)^2*{name} + {name}^3"}
+        parts["conditions"] += [f"{name}(start) = 0", f"{name}(end) = 0"]
+    line = follow(parts, "q", (0.53, 1.5))
+    assert [p.type for p in line.points] == ["BP"] * 3
+    for point, place in zip(line.points, (1 - 2 * e, 1 - e, 1.0), strict=True):
+        assert abs(point.values["q"] - place) <= point.error
+        assert point.normal_form["kind"] == "pitchfork"
