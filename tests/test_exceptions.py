@@ -47,6 +47,8 @@ def swallows(handler: ast.ExceptHandler) -> bool:
 
 def complaints(path: Path) -> Iterator[str]:
     text = path.read_text(encoding="utf-8")
+    if "except" not in text and "suppress" not in text:
+        return
     lines = text.splitlines()
     name = path.relative_to(ROOT)
     numeric = name.parts[0] in NUMERIC
@@ -56,6 +58,8 @@ def complaints(path: Path) -> Iterator[str]:
         return any(part.strip() and not part.strip().startswith(("noqa", "type:")) for part in parts)
 
     for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, ast.ExceptHandler | ast.With):
+            continue
         place = f"{name}:{getattr(node, 'lineno', 0)}"
         if isinstance(node, ast.ExceptHandler):
             broad = not names(node.type) or BROAD & set(names(node.type))

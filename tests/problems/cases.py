@@ -85,15 +85,15 @@ BRANCH_POINTS = {
         {"x": "x^4 - x^2 + p^2"}, {"x": 1.0}, {"p": 0.0}, (-2.0, 2.0),
         [("BP", 0.0), ("LP", 0.5), ("LP", 0.5), ("LP", -0.5), ("LP", -0.5)], ("closed", "closed"),
     ),
-    "thirty modes of a chain: p = 4 sin^2(k pi/62)": Case(
+    "twenty modes of a chain: p = 4 sin^2(k pi/42)": Case(
         {
             f"u{k}": f"p*u{k} - u{k}^3 - 2*u{k}"
             + (f" + u{k - 1}" if k > 1 else "")
-            + (f" + u{k + 1}" if k < 30 else "")
-            for k in range(1, 31)
+            + (f" + u{k + 1}" if k < 20 else "")
+            for k in range(1, 21)
         },
-        {f"u{k}": 0.0 for k in range(1, 31)}, {"p": -0.1}, (-0.1, 4.1),
-        [("BP", 4 * sin(k * pi / 62) ** 2) for k in range(1, 31)],
+        {f"u{k}": 0.0 for k in range(1, 21)}, {"p": -0.1}, (-0.1, 4.1),
+        [("BP", 4 * sin(k * pi / 42) ** 2) for k in range(1, 21)],
     ),
 }  # fmt: skip
 
