@@ -10,6 +10,7 @@ import numpy as np
 from contin.continuation.curve import Stretch
 from contin.continuation.found import Found, Note, anchored_on_branch, at_point, found_at, where
 from contin.continuation.isolate import isolate, together_between
+from contin.continuation.looking_again import rounding
 from contin.continuation.march import is_dip
 from contin.continuation.position import position
 from contin.continuation.problem import Nothing, Outcome, Rejected, Sample, Verified, is_planar
@@ -67,7 +68,7 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
         s = [stretch.length_of(x) for x in (low, middle, high)]
         f = [size(x) for x in (low, middle, high)]
         if s[2] - s[0] <= 1e-9:
-            if f[1] <= NOTHING_LEFT * fall:
+            if f[1] <= _nothing(stretch, middle, high, test, fall):
                 yield from _touching(stretch, low, high, test, a)
             return
         target = _parabola_minimum(s, f)
@@ -98,15 +99,25 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
             yield from _touching(stretch, low, high, test, a)
             return
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
-            if f[1] <= NOTHING_LEFT * fall:  # all that is left is rounding
+            if f[1] <= _nothing(stretch, middle, b, test, fall):  # all that is left is rounding
                 yield from _touching(stretch, low, high, test, a)
             return  # an ordinary minimum, resolved
         if target < s[1]:
             low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
         else:
             low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
-    if size(middle) <= 10.0 * NOTHING_LEFT * fall:
+    if size(middle) <= max(10.0 * NOTHING_LEFT * fall, _nothing(stretch, middle, b, test, fall)):
         yield from _touching(stretch, low, high, test, a)
+
+
+def _nothing(stretch: Stretch, lowest: Sample, other: Sample, test: int, fall: float) -> float:
+    """Size from which a test's minimum at `lowest` is no zero: of what it is elsewhere, or its rounding errors.
+
+    In skewed coordinates these are larger than the test between two crossings near each other.
+    """
+    if stretch.problem.is_lost(test, lowest.z, stretch.frame.scale):
+        return abs(float(lowest.tests[test]))
+    return max(NOTHING_LEFT * fall, float(rounding(stretch, lowest, other)[test]))
 
 
 def _pair(

@@ -340,6 +340,10 @@ class Problem(ABC):
         """Where a march failed at a corner of piecewise equations: a point beyond it and the fold on it, if any."""
         return None
 
+    def is_lost(self, test: int, z: Array, scale: Array) -> bool:
+        """True where a test may be zero at z for all that the rounding of what it is made of lets see."""
+        return False
+
     def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
         """The branch's own continuation beyond a point with `touches`, where it can be told from the other one."""
         return None

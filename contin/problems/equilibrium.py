@@ -37,6 +37,7 @@ from contin.problems.equations import AlgebraicEquations
 from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_corner
 from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.turning import no_fold
+from contin.problems.lost_tests import branch_point_is_lost, pair_is_lost
 from contin.problems.massless import finite_eigenvalues
 from contin.problems.neutral import NeutralMarch, is_neutral
 from contin.problems.neutral import remarks as neutral_remarks
@@ -215,6 +216,14 @@ class EquilibriumProblem(AlgebraicEquations):
 
     def watch(self, type_: str) -> int | None:
         return test_on_branch(type_)
+
+    def is_lost(self, test: int, z: Array, scale: Array) -> bool:
+        jacobian = self.linearise(z)[1] * scale / scale[:-1, None]
+        if not np.isfinite(jacobian).all():
+            return False
+        if test == self.watch("BP"):
+            return branch_point_is_lost(jacobian)
+        return test == self.watch("HB") and not self.is_map and pair_is_lost(jacobian[:, :-1])
 
     @cached_property
     def _opaque(self) -> bool:

@@ -132,3 +132,13 @@ def test_two_crossings_as_one_are_seen_wherever_a_row_falls(beside):
         assert branch.points or branch.notes
         for point in branch.points:
             assert abs(point.values["p"] - row - beside) <= point.error + 1e-12
+
+
+@pytest.mark.parametrize(("seed", "low", "high"), [(9056, -12, -8), (9092, -12, -8), (11090, -8, -2), (11106, -8, -2)])
+def test_pairs_that_the_rounding_of_the_jacobian_hides_are_noted(seed, low, high):
+    """In skewed coordinates neighbouring points err alike: the test has a minimum above zero, of up to 1e-6."""
+    generator = np.random.default_rng(seed)
+    spacing, count = 10.0 ** generator.uniform(low, high), int(generator.integers(1, 4))
+    size = int(generator.integers(2, 5))
+    branch = crossings(generator, spacing, count, size, 10.0 ** generator.uniform(3.5, 5.0)).follow()
+    assert branch.points or branch.notes
