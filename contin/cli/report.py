@@ -89,7 +89,8 @@ def _print_simulated(document: Mapping[str, object], console: Console) -> None:
 def heading(branch: Record) -> Text:
     """One line that says what the branch is: name, kind, parameters, origin."""
     kind, parameters = branch["kind"], " and ".join(branch["parameters"])
-    what = f"locus of {locus_words(branch['locus'])}" if kind == "locus" else KINDS.get(kind, kind)
+    points = "heteroclinic orbits" if _joins_two(branch) else locus_words(branch["locus"])
+    what = f"locus of {points}" if kind == "locus" else KINDS.get(kind, kind)
     origin = ""
     if branch["image_of"]:
         origin = f", the image of {branch['image_of']['branch']} under {branch['image_of']['symmetry']}"
@@ -98,6 +99,11 @@ def heading(branch: Record) -> Text:
     rows = len(next(iter(branch["columns"].values()), []))
     varied = f" in {parameters}" if parameters else ""
     return Text.assemble((branch["name"], "bold cyan"), f"  {what}{varied}{origin}; {rows} points")
+
+
+def _joins_two(branch: Record) -> bool:
+    """True of curves of connecting orbits between two saddles, which have a column for each."""
+    return branch["locus"] == "HOM" and any(name.endswith(".saddle2") for name in branch["columns"])
 
 
 def _fitting(branch: Record, states: list[str], console: Console) -> Table:

@@ -189,3 +189,8 @@ def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end(tmp_path
     (wave,) = json.loads(out.read_text())["branches"]
     (point,) = [p for p in wave["points"] if p["type"] == "UZ"]
     assert point["values"]["c"] == pytest.approx(brentq(beyond, -0.6, -0.58, xtol=1e-9), abs=1e-6)
+
+
+def test_connections_between_two_saddles_are_called_heteroclinic(capsys):
+    call("run", str(FOLDER / "stw.yaml"))
+    assert "wave  locus of heteroclinic orbits in lam and c" in capsys.readouterr().out

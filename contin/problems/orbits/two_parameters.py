@@ -152,7 +152,7 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         """The end of a curve whose orbits have shrunk to a Hopf point."""
         if not self.has_shrunk(z, scale):
             return None
-        return End("hopf", f"the orbit shrank to a Hopf point at {self.place(z)}")
+        return End("hopf", f"the orbit shrank to a Hopf point near {self.place(z)}")
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
