@@ -142,3 +142,13 @@ def test_pairs_that_the_rounding_of_the_jacobian_hides_are_noted(seed, low, high
     size = int(generator.integers(2, 5))
     branch = crossings(generator, spacing, count, size, 10.0 ** generator.uniform(3.5, 5.0)).follow()
     assert branch.points or branch.notes
+
+
+@pytest.mark.parametrize("seed", [11027, 11050])
+def test_a_degenerate_point_between_two_crossings_is_not_stated_better_than_they_are_told_apart(seed):
+    generator = np.random.default_rng(seed)
+    spacing, count = 10.0 ** generator.uniform(-8, -2), int(generator.integers(1, 4))
+    size = int(generator.integers(2, 5))
+    planted = crossings(generator, spacing, count, size, 10.0 ** generator.uniform(3.5, 5.0))
+    for point in planted.follow().points:
+        assert min(abs(point.values["p"] - expected.at) for expected in planted.expected) <= point.error

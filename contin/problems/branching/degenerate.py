@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 KINDS = ("tangency", "degenerate")  # of simple branch points
 ACCURATE = 2  # order of contact up to which Newton's method places the point well
 UNCLEAR = 3.0  # times the error of a simple zero, where the order of a degenerate one is not known
+NEAREST, FARTHEST, GROWTH = 1e-9, 0.1, 2.0  # scaled distances at which a degenerate point may still be hidden
+CORRECTIONS = 3  # of Newton's method
+FLAT = 1e-9  # of the largest singular value
 ALONG = 0.99  # cosine of a curve's tangent and the branch's own from which they may be one
 
 
@@ -68,7 +71,10 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
         if form.get("kind") != "tangency" or (count, halves) != (2, 4):
             form["kind"] = "degenerate"
         text = f"BP: degenerate, {count} branch{'es' * (count != 1)} of {halves} halves meet there"
-        return replace(_with(point, text, form, touches=count > 0), error=UNCLEAR * point.error)
+        error, hidden = UNCLEAR * point.error, _lost_along(problem, point.z, scale, found)
+        if hidden > error:
+            error, text = hidden, f"{text}, or cross several times within the stated error"
+        return replace(_with(point, text, form, touches=count > 0), error=error)
     order = f"contact of order {contact.order}"
     text = f"BP: two branches touch with {order}, or cross several times within the stated error"
     touching = _with(point, text, {**form, "contact": contact.order}, touches=True)
@@ -76,6 +82,35 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
         return touching
     # located where a function of high order is lost in its rounding errors: how far off is what the gaps say
     return replace(touching, error=max(point.error, 2.0 * abs(float(contact.off[-1])) * float(scale[-1])))
+
+
+def _lost_along(problem: EquilibriumProblem, z: Array, scale: Array, found: Fan) -> float:
+    """How far in the parameter, along one of the curves, rounding hides that the point is passed.
+
+    Simple crossings beside each other, in skewed coordinates, look like one degenerate point between them.
+    """
+    test, farthest = problem.watch("BP"), 0.0
+    for half in (half for curve in found.curves for half in curve):
+        distance = NEAREST
+        while distance < FARTHEST:
+            at = _solved(problem, z + distance * scale * half.direction, scale)
+            if test is None or at is None or not problem.is_lost(test, at, scale):
+                break
+            farthest = max(farthest, GROWTH * abs(float(at[-1] - z[-1])))
+            distance *= GROWTH
+    return farthest
+
+
+def _solved(problem: EquilibriumProblem, z: Array, scale: Array) -> Array | None:
+    """F = 0 at the parameter of z, without moves in which F hardly changes."""
+    for _ in range(CORRECTIONS):
+        f, jacobian = problem.linearise(z)
+        matrix = jacobian[:, :-1] * scale[:-1] / scale[:-1, None]
+        if not (np.isfinite(f).all() and np.isfinite(matrix).all()):
+            return None
+        step = np.linalg.lstsq(matrix, -f / scale[:-1], rcond=FLAT)[0]
+        z = z + np.append(scale[:-1] * step, 0.0)
+    return z
 
 
 def _with(point: Verified, remark: str, form: dict[str, object] | None = None, touches: bool = False) -> Verified:
