@@ -4,6 +4,7 @@ import json
 from math import acosh, cos, e, exp, pi, sin, sqrt
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -97,7 +98,8 @@ WANTED = {
     "tor": {"rest.BP": ("nu", [-1 / 2]), "rest.HB": ("nu", [brentq(turning_of_tor, -0.7, -0.55)])},
     "ops": {"rest.HB": ("l3", [-OPS, OPS])},
     "plp": {"rest.HB": ("rho", [brentq(trace_of_plp, 3.2, 3.8), brentq(trace_of_plp, 4.3, 5.0)])},
-    "pen": {"turns.PD": ("I", [0.17916378])},  # tested below
+    # tested below; the doubled rotations of period 68 are at 0.17362879276
+    "pen": {"turns.PD": ("I", [0.17916378]), "doubled.HOM": ("I", [0.17362879276])},
 }  # fmt: skip
 
 
@@ -167,6 +169,38 @@ def test_rotations_of_pendula_double_where_their_difference_turns_by_half(tmp_pa
     branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
     (point,) = [p for p in branches["turns"]["points"] if p["type"] == "PD"]
     assert point["values"]["I"] == pytest.approx(brentq(off, 0.17, 0.19, xtol=1e-10), abs=1e-8)
+
+
+def test_mirror_images_end_at_one_homoclinic_orbit_where_their_folds_accumulate(tmp_path):
+    """tor: p - p* falls by exp(-pi k/q) from fold to fold; Aitken's rule, twice, on the last six of them."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "tor.yaml"), "--quiet", "--json", str(out))
+    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    for end in branches["other"]["ends"]:
+        # folds at nu = -0.7604069193, -0.7188420834, -0.7316358380, -0.7281537738, -0.7291632519, -0.7288774659, ...
+        assert abs(end["at"]["nu"] + 0.728941008) < end["error"] < 3e-7
+
+
+def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so(tmp_path):
+    """lor: the orbit closes, and has the multiplier -1, by Dormand and Prince's method."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "lor.yaml"), "--quiet", "--orbits", "--json", str(out))
+    (branch,) = json.loads(out.read_text())["branches"]
+    points = [p for p in branch["points"] if p["type"] == "PD"]
+    assert len(points) == 2  # of both images under (x, y) -> -(x, y)
+    for point in points:
+        rho, start = point["values"]["rho"], [point["orbit"][name][0] for name in "xyz"]
+
+        def rates(_, w, rho=rho):
+            x, y, z = w[:3]
+            matrix = np.array([[-10, 10, 0], [rho - z, -1, -x], [y, x, -8 / 3]])
+            flow = [10 * (y - x), rho * x - y - x * z, x * y - 8 / 3 * z]
+            return np.concatenate([flow, (matrix @ w[3:].reshape(3, 3)).ravel()])
+
+        whole = np.concatenate([start, np.eye(3).ravel()])
+        end = solve_ivp(rates, (0, point["values"]["period"]), whole, "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+        assert end[:3] == pytest.approx(start, abs=1e-3)
+        assert np.abs(np.linalg.eigvals(end[3:].reshape(3, 3)) + 1).min() < 1e-4
 
 
 def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end(tmp_path):

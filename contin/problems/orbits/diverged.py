@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -13,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.machine import elementary
+from contin.problems.orbits.extrapolated import extrapolated, with_next
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_near
 from contin.records import Fields
@@ -28,10 +26,6 @@ SWINGING = 6.0  # the error estimate's factor of safety there
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
-APART = 1.05  # ratio of two rates from which their terms are told apart
-LONGEST = 100.0  # period gained between two orbits, in units of a rate, beyond which one says nothing of the other
-CORRECTION = 0.1  # largest second term relative to the first
-LEFT_OUT = 0.1  # part of the second term that may still be missing
 SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
 NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
 PRECISE = Settings(tolerance=1e-11)
@@ -44,7 +38,7 @@ def diverged(
 
     With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
     p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r,
-    and p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits
+    whose A and c the slopes of two orbits give. Slopes are those of the tangents. The limit is believed when two orbits
     agree on it and the remaining distance is small, and the orbits' extrema, too, are near their limits
     e* = e + (de/dT) / k: those of Lotka and Volterra's predator and prey linger at a saddle, and grow for ever. The
     slowest direction of a saddle may have no part in it (a skew product, the phase of a frame that turns with the
@@ -72,14 +66,14 @@ def diverged(
         slopes.append(float(raw[-1] / raw[position]))
     width = float(frame.scale[-1])
     moved = profile.parameter - earlier.parameter
-    growth = _growth(profile, earlier, sizes) / gained
+    growth = _growth(profile, earlier, sizes, problem.winding) / gained
     visits = [s.visits for s in saddles]
     rates = list(zip(*(s.by_rate for s in saddles), strict=False))
-    limits = [_extrapolated(slowest, visits, slopes, gained, moved) for slowest in rates[:LEVELS]]
+    limits = [extrapolated(slowest, visits, slopes, gained, moved) for slowest in rates[:LEVELS]]
     if failed:
         limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
     elif len(saddles) == 1:
-        limits = [_with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairwise(limits)] + limits[-1:]
+        limits = [with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairwise(limits)] + limits[-1:]
     for level, limit in enumerate(limits):
         remaining = abs(limit.step)
         if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
@@ -92,72 +86,26 @@ def diverged(
             near, error = True, max(error, remaining)
         if settled or (near and level == 0):
             at = profile.parameter + limit.step
-            doubt = (SWINGING if limit.spiral else 3.0) * error
             at_limit = [s.at(problem, at, sizes) for s in saddles]
+            doubt = (SWINGING if limit.spiral else 3.0) * error
+            doubt += (2.0 * remaining + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
             return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
     return None
 
 
-@dataclass(frozen=True)
-class _Limit:
-    """Distance of an orbit's parameter from its limit, and how far two orbits disagree on that."""
-
-    step: float
-    drift: float
-    spiral: bool
-    rate: float
-    doubt: float = 0.0  # what terms that are left out may make
-
-    @property
-    def disagreement(self) -> float:
-        """The two orbits' relative to what remains."""
-        return self.drift / abs(self.step) if self.step != 0.0 else 0.0
+def _changed(saddles: list[Saddle], at_limit: list[Saddle]) -> float:
+    """Largest change of a leading eigenvalue from here to the limit, relative to its rate: that of log(p - p*) / (k T)
+    at both orbits."""
+    return max(
+        abs(one.leading - other.leading) / abs(one.leading.real) for one, other in zip(saddles, at_limit, strict=True)
+    )
 
 
-def _extrapolated(
-    slowest: Sequence[complex], visits: Sequence[int], slopes: Sequence[float], gained: float, moved: float
-) -> _Limit:
-    """From the slopes dp/dT of two orbits whose periods differ by `gained` and whose parameters by `moved`."""
-    k = 1.0 / sum(count / abs(value.real) for count, value in zip(visits, slowest, strict=True))
-    q = k * max(value.imag / abs(value.real) for value in slowest)
-    if q > 0.0:
-        bends = (
-            (4.0 * slopes[0] + 2.0 * slopes[1]) / gained - 6.0 * moved / elementary.square(gained),
-            -(2.0 * slopes[0] + 4.0 * slopes[1]) / gained + 6.0 * moved / elementary.square(gained),
-        )
-        steps = [(bend + 2.0 * k * slope) / (k * k + q * q) for bend, slope in zip(bends, slopes, strict=True)]
-    else:
-        steps = [slope / k for slope in slopes]
-    return _Limit(steps[0], abs(moved + steps[0] - steps[1]), q > 0.0, k)
-
-
-def _with_next(
-    first: _Limit, next_: _Limit, slopes: Sequence[float], gained: float, moved: float, wanted: float
-) -> _Limit:
-    """The first limit, or, where it is better known, p* = p - a - b from p - p* = a exp(-k t) + b exp(-k' t).
-
-    The other leading rate of the saddle, or the square of the first term, makes the second one (Lin's method; Sandstede
-    1993). The slopes of the two orbits give a and b, and their parameters say how well both fit.
-    """
-    k, faster = first.rate, min(next_.rate, 2.0 * first.rate)
-    if first.spiral or next_.spiral or faster < APART * k or faster * gained > LONGEST:
-        return first
-    there = np.array([[k, faster], [k * elementary.exp(k * gained), faster * elementary.exp(faster * gained)]])
-    a, b = np.linalg.solve(there, [-slopes[0], -slopes[1]])
-    missed = abs(moved + a * elementary.expm1(k * gained) + b * elementary.expm1(faster * gained))
-    doubt = LEFT_OUT * abs(b)
-    known = missed * max(1.0, abs(a + b) / abs(moved)) if moved != 0.0 else np.inf
-    if abs(b) > CORRECTION * abs(a):
-        return first
-    if not max(known, doubt) < wanted:
-        return replace(first, doubt=float(abs(b)))
-    return _Limit(float(-a - b), float(missed), False, k, float(doubt))
-
-
-def _growth(profile: Profile, earlier: Profile, sizes: Array) -> float:
-    """Largest change of an extremum between two orbits, relative to the extent."""
+def _growth(profile: Profile, earlier: Profile, sizes: Array, winding: Array) -> float:
+    """Largest change of an extremum between two orbits, relative to the extent; not of angles that go round: their
+    extrema say where a period begins, and they cannot grow."""
     changes = [np.abs(f(profile.u, axis=0) - f(earlier.u, axis=0)) / sizes for f in (np.min, np.max)]
-    return float(np.max(changes)) / extent_of(profile, sizes)
+    return float(np.max(changes, initial=0.0, where=np.asarray(winding == 0.0))) / extent_of(profile, sizes)
 
 
 def _connection(
