@@ -14,7 +14,6 @@ from types import FrameType
 from typing import Final
 
 PATIENCE: Final = 1.0  # seconds after the first in which a second Ctrl-C is taken for the same press
-STOPPED: Final = 130  # exit code of what Ctrl-C ended before there was a result; 128 + the signal's number in general
 
 
 class _Interrupt:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contin.abi import NO_FUNCTION, Address, Array, Vector
 from contin.errors import InputError
@@ -24,7 +24,7 @@ from contin.model.kinds import need_autonomous, need_no_events, need_states
 from contin.model.model import Model
 from contin.model.parts import Constraints
 from contin.model.printing import to_text
-from contin.symbolic.calculus.derivatives import derivative, sparse_jacobian
+from contin.symbolic.calculus.derivatives import derivative
 from contin.symbolic.calculus.remove_singularities import remove_singularities
 from contin.symbolic.passes.index_one import index_one
 
@@ -91,7 +91,6 @@ class CompiledSystem:
         self._code: dict[str, MachineCode] = {}
         self._functions: dict[str, Call] = {}
         self._is_small = len(postorder(formulas)) < COMPILED_AT_ONCE
-        self._pattern: tuple[NDArray[np.intp], NDArray[np.intp]] | None = None
         self._pieces: Pieces | None = None
         self._calls = Calls(self.n, self.p_size)
 
@@ -148,16 +147,6 @@ class CompiledSystem:
     def gradient_address(self) -> Address:
         """(u, p, v, w, H): w = Df[v], H = D^2f[v, .] (n, n + p_size)"""
         return self._address("gradient")
-
-    @property
-    def second_address(self) -> Address:
-        """(u, p, v, w, out)"""
-        return self.form(2)
-
-    @property
-    def third_address(self) -> Address:
-        """(u, p, v, w, s, out)"""
-        return self.form(3)
 
     def statements(self, name: str) -> int:
         """Length of a compiled function ('value', 'jacobian', 'observe', 'switches', 'form2', ...): its cost a call."""
@@ -266,16 +255,6 @@ class CompiledSystem:
             if self._pieces is None:
                 self._pieces = compile_pieces(self._equations, self.layout, TIME if self.is_forced else None)
             return self._pieces
-
-    @property
-    def jacobian_pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """(rows, columns) of the entries of df/dz that are not identically zero, row by row."""
-        with self._lock:
-            if self._pattern is None:
-                entries = list(sparse_jacobian(self._equations, self.layout.names))
-                indices = np.array(entries, dtype=np.intp).reshape(-1, 2)
-                self._pattern = np.ascontiguousarray(indices[:, 0]), np.ascontiguousarray(indices[:, 1])
-            return self._pattern
 
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which equation, or entry of the Jacobian, is not finite at this point and why; None if all are finite."""

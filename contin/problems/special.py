@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
 CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
-COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the largest) is on it
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
 UNSURE = 1e-11  # scaled: a fold that is known no better may be a branch point
 NEXT = 1e-4  # scaled: how far from it a multiple zero may be found

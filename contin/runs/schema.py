@@ -40,8 +40,6 @@ from contin.runs.entry_types import (
 )
 from contin.runs.picture_entry import Picture
 
-DIRECTIONS: Final = ("both", "up", "down")
-
 
 class StartMapping(BaseModel):
     """A starting point written in place: values of some states, and `parameters` that belong to it."""
@@ -57,9 +55,7 @@ Start = Annotated[
 Starts = Annotated[
     list[Start], BeforeValidator(listed, json_schema_input_type=Start | list[Start]), Field(min_length=1)
 ]
-Pass = Annotated[
-    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(mapping_or_not)
-]
+Pass = Annotated[Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(mapping_or_not)]
 ModelReference = Annotated[
     Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(mapping_or_not)
 ]

@@ -61,9 +61,9 @@ def test_addresses_follow_the_abi(brusselator):
     assert bits(f) == bits(brusselator.value(U, P))
     call(brusselator.jacobian_address, U, P, f, matrix)
     assert bits(matrix) == bits(brusselator.jacobian(U, P)[1])
-    call(brusselator.second_address, U, P, v, w, out)
+    call(brusselator.form(2), U, P, v, w, out)
     assert bits(out) == bits(brusselator.derivative(U, P, v, w))
-    call(brusselator.third_address, U, P, v, w, s, out)
+    call(brusselator.form(3), U, P, v, w, s, out)
     assert bits(out) == bits(brusselator.derivative(U, P, v, w, s))
     call(brusselator.observe_address, U, P, observed)
     assert bits(observed) == bits(brusselator.observables(U, P))
@@ -160,15 +160,10 @@ def test_forced_system_takes_the_time_after_the_parameters():
     assert (system.m, system.p_size, system.is_forced) == (2, 3, True)
 
 
-def test_jacobian_pattern_has_every_non_zero_and_nothing_else_for_a_ring():
-    system = compile_system(oscillator_network(12, 2))
-    rows, columns = system.jacobian_pattern
+def test_the_jacobian_of_a_ring_has_its_neighbours_and_nothing_else():
     rng = np.random.default_rng(8)
-    matrix = system.jacobian(rng.normal(size=12), rng.normal(size=13))[1]
-    found = np.zeros_like(matrix, dtype=bool)
-    found[rows, columns] = True
-    np.testing.assert_array_equal(found, matrix != 0)
-    assert len(rows) == 12 * (3 + 2)  # itself and two neighbours, K and its own frequency
+    matrix = compile_system(oscillator_network(12, 2)).jacobian(rng.normal(size=12), rng.normal(size=13))[1]
+    assert np.count_nonzero(matrix) == 12 * (3 + 2)  # itself and two neighbours, K and its own frequency
 
 
 def test_large_jacobian_is_cleared_before_it_is_filled():
@@ -177,7 +172,7 @@ def test_large_jacobian_is_cleared_before_it_is_filled():
     matrix, f = np.full((n, n + n + 1), np.nan), np.empty(n)
     u, p = np.linspace(0, 1, n), np.ones(n + 1)
     ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4)(address)(*[a.ctypes.data for a in (u, p, f, matrix)])
-    assert np.count_nonzero(matrix) == len(system.jacobian_pattern[0])
+    assert np.count_nonzero(matrix) == 40 * (3 + 1)
     assert np.isfinite(matrix).all()
 
 

@@ -10,14 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final
 
 from contin.exchange.naming import Names
 from contin.exchange.sbml.elements import Element
 from contin.exchange.sbml.events import assigned
 from contin.exchange.sbml.roles import EVENTS, FIXED, RATE, REACTIONS, RULE
-
-PREFIXES: Final = ("amount", "concentration")
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
 ALONG: Final = 10.0  # a point on a curve moves along it, too, when the equations change: no more than that is presumed
-DEGENERATE: Final = 1e-9  # a test function this small all along is zero
 
 
 def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
