@@ -107,13 +107,13 @@ def _sizes(problem: Any, z: Array) -> Array:
 def _settled(system: System, u: Array, p: Array, periods: Array, sizes: Array) -> tuple[Array | None, int]:
     """Where a point settles, and the period: 0 where it has none, (None, 0) where it escapes."""
     x = np.array(u, dtype=float)
-    far = FAR * max(1.0, length(x, sizes))
+    far = FAR * max(1.0, length(x, sizes)) * sizes
     done = 0
     for until in (FIRST, LAST):
         while done < until:
             x = np.asarray(system.value(x, p))
             done += 1
-            if not length(x, sizes) < far:  # not a number, too
+            if not (np.abs(x) < far).all():  # not a number, too
                 return None, 0
         path = [x]
         for _ in range(LONGEST):
