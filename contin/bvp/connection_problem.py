@@ -25,11 +25,42 @@ if TYPE_CHECKING:
 
 UNBOUNDED = (-np.inf, np.inf)
 NEWTON, ACCURATE, STALLED = 15, 1e-11, 1e-7
+PART = 1e-3  # of a mode, in the states' sizes
 CHUNK = 5  # a step takes some 50 ms
 
 
 @dataclass(frozen=True, eq=False)
-class Homotopy(BoundaryProblem):
+class Isolated(BoundaryProblem):
+    """Through a solution one branch passes, whose tangent the condensed equations give: no crossings are looked for."""
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        row = np.zeros(z.size)
+        row[-1] = 1.0
+        here = self.linearisation(z, row, scale)
+        if here is None or here.sign == 0.0:
+            return super().tangents(z, scale)
+        t = here.solve(np.append(np.zeros(z.size - 1), 1.0))
+        size = norm(t)
+        return [t / size] if np.isfinite(size) else super().tangents(z, scale)
+
+    def natural_sizes(self, z: Array, profile: Profile, width: float) -> Array:
+        """No component of a mode is smaller than a part of the mode: some vanish (of driven flows), to rounding."""
+        sizes = super().natural_sizes(z, profile, width)
+        seen, names = np.abs(profile.u).max(axis=0), self.two.names
+        modes: dict[str, list[tuple[int, int]]] = {}
+        for k, name in enumerate(names[: self.two.n_states]):
+            state, _, mark = name.partition(":")
+            if mark.startswith("w"):
+                modes.setdefault(mark, []).append((k, names.index(state)))
+        for pairs in modes.values():
+            own, of = np.array([k for k, _ in pairs]), np.array([j for _, j in pairs])
+            largest = float(np.max(seen[own] * sizes[of]))
+            sizes[own] = np.maximum(sizes[own], PART * largest / sizes[of])
+        return sizes
+
+
+@dataclass(frozen=True, eq=False)
+class Homotopy(Isolated):
     """On the way to a connecting orbit: no special points are looked for."""
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -40,7 +71,7 @@ class Homotopy(BoundaryProblem):
 
 
 @dataclass(frozen=True, eq=False)
-class ConnectionToCycle(BoundaryProblem):
+class ConnectionToCycle(Isolated):
     """One parameter varies; `user` is the model whose orbits these are, `cycles` the ends (1, 2) that are cycles."""
 
     user: Model | None = None
@@ -99,7 +130,7 @@ class ConnectionToCycle(BoundaryProblem):
                 columns |= {f"{name}.cycle{mark}.{end}": found[f"{name}:{place}.{end}"] for end in ("min", "max")}
             k = 0
             while f"sigma{k}:{place}" in found:
-                columns[f"multiplier{mark}{k + 1 if k else ''}"] = elementary.exp(found[f"sigma{k}:{place}"])
+                columns[f"multiplier{mark}{f'.{k + 1}' if k else ''}"] = elementary.exp(found[f"sigma{k}:{place}"])
                 k += 1
         return columns
 

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 FINE: Final = 100  # intervals of the first guess, and ...
 PER_TURN: Final = 25  # ... more for each turn as long as the cycle
 POINTS: Final = 4
+GUESSED: Final = 1e-4  # error of the first mesh: tables of modes are no smoother
 HOME: Final = 60  # steps of a homotopy
 NEAR: Final = 1e-4  # of the cycle's extent, that the orbit's end comes to it
 ENOUGH: Final = 1e-2  # ... with which it is content where it comes no nearer
@@ -216,7 +217,7 @@ class CycleConnection:
         count = int(FINE + PER_TURN * turns)
         fine = self._on(problem, one, values, np.full(count, 1.0 / count))
         sizes = np.maximum(np.abs(fine.u).max(axis=0), 1e-12)
-        return self._on(problem, one, values, choose_mesh(fine, sizes, problem.tolerance, None).h)
+        return self._on(problem, one, values, choose_mesh(fine, sizes, GUESSED, None).h)
 
     def _on(self, problem: BoundaryProblem, one: Approach, values: dict[str, float], h: Array) -> Profile:
         two, m, n = problem.two, POINTS, self.system.n

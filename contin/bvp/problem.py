@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.bvp import special
-from contin.bvp.condensed import Condensed, Workspace, linearise
+from contin.bvp.condensed import Condensed, Workspace, linearise, residual_at
 from contin.bvp.functionals import columns_of
 from contin.bvp.kernel import undetermined
 from contin.bvp.sizes import couplings, filled, noticed
@@ -250,6 +250,8 @@ class BoundaryProblem(Problem):
 
     def trouble(self, z: Array) -> str:
         """Where the equations have no value on the solution, and why; empty where they have one everywhere."""
+        if residual_at(self, z) is not None:
+            return ""
         profile = self.profile(z)
         times = profile.gauss_times
         p = self.full_parameters(z)

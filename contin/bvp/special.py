@@ -241,7 +241,7 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
             return None
         if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
             return z if size >= before else _moved(z, scale, step, value)
-        if size < BLURRED and met_to_rounding(problem, z):
+        if 0.1 * before < size < BLURRED and met_to_rounding(problem, z):  # (shrinking steps are no noise)
             return z
         damping = min(1.0, 4.0 * damping)
         while True:
@@ -252,7 +252,7 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
                 break
             damping *= 0.5
             if damping < SHORTEST:
-                return None
+                return z if size < BLURRED and met_to_rounding(problem, z) else None
         z, before = trial, size if damping == 1.0 else np.inf
     return None
 
