@@ -18,7 +18,7 @@ FORCED = {  # x'' = x - x^3 + g cos t, with its clock
 def turning_points(g: float) -> list[float]:
     """x > 0 with x'(0) = 0 of the homoclinic orbits with x(-t) = x(t), to the forcing g cos t and to -g cos t.
 
-    The orbit falls to the one or the other side of the cycle near x = 0: sections of 2,000 parts, Runge-Kutta steps 1/50.
+    The orbit falls to the one or the other side of the cycle near x = 0: sections of 2,000 parts, Runge-Kutta.
     """
 
     forces = np.array([[g], [-g]])
