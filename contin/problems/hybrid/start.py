@@ -107,7 +107,10 @@ def hybrid_orbit(model: Model, u: Array, p: Array, transient: float = 0.0, longe
         found = _repeating(landings, flight.u, _angles(flow, p)) if flight.outcome == "done" else None
         if found is not None:
             return _closed(flow, p, *found, np.where(_angles(flow, p) > 0.0, 1.0, sizes), flight.end_time)
-        if flight.outcome != "done" or time > longest * scale or len(landings) > ENOUGH:
+        over = _is_over(jumps, flight.end_time) or (not jumps and flight.steps >= BUDGET)
+        if flight.outcome != "done" or over or time > longest * scale or len(landings) > ENOUGH:
+            if over:
+                raise NoSolutionError(_without_events(jumps[-1].time if jumps else 0.0, flight.end_time))
             raise NoSolutionError(_why_none(landings, flight.outcome, flight.why, flight.end_time))
         time *= 4.0
 
@@ -117,14 +120,27 @@ def _angles(flow: HybridFlow, p: Array) -> Array:
     return flow.model.periods(dict(zip(flow.model.parameter_names, p.tolist(), strict=True)))
 
 
+def _is_over(jumps: tuple[Jump, ...], end: float) -> bool:
+    """True where events have happened, and none any more for much longer than between them."""
+    if not jumps:
+        return False
+    times = np.array([0.0, *(jump.time for jump in jumps)])
+    return bool(end - times[-1] > PATIENCE * max(float(np.diff(times).max()), end / (2.0 * PATIENCE)))
+
+
+def _without_events(last: float, end: float) -> str:
+    when = f"from t = {last:.4g} to {end:.4g}" if last else f"up to t = {end:.4g}"
+    return (
+        f"no event happens {when}: the orbits of this start have no jumps. Leave `events` out of the model to follow "
+        "them, or start where an event happens"
+    )
+
+
 def _why_none(landings: list[_Landing], outcome: str, why: str, end: float) -> str:
     if outcome != "done":
         return f"no periodic orbit: the simulation stops at t = {end:.6g}: {why}"
     if not landings:
-        return (
-            f"no event happens up to t = {end:.4g}: the orbits of this start have no jumps. Leave `events` out of the "
-            "model to follow them, or start where an event happens"
-        )
+        return _without_events(0.0, end)
     return f"no periodic orbit: up to t = {end:.4g} no cycle of events closes. {ADVICE}."
 
 

@@ -222,3 +222,17 @@ def test_what_has_no_orbit_with_jumps_is_told():
         contin.periodic_orbit(jumping_map(x="a*x*(1 - x)"), parameters={"a": 3.9})
     with pytest.raises(InputError, match="from a simulation"):
         contin.periodic_orbit(FIRE, np.zeros((5, 1)), period=1.0)
+
+
+def test_events_that_never_happen_are_told_as_such(monkeypatch):
+    """A forced oscillator beside a wall that it never reaches: what is used up is the patience, not the method."""
+    monkeypatch.setattr("contin.problems.hybrid.start.BUDGET", 20_000)
+    still = Model(
+        "beside", states={"x": 0, "v": 0}, parameters={"w": 3.0},
+        equations={"x": "v", "v": "-x - 0.1*v + 0.5*cos(w*t)"}, forcing={"period": "2*pi/w"},
+        events=[{"when": "x - 1", "direction": "up", "set": {"v": "-v"}}],
+    )  # fmt: skip
+    with pytest.raises(NoSolutionError, match=r"no event happens .* Leave `events` out of the model"):
+        contin.periodic_orbit(still, {"x": 0.0, "v": 0.0})
+    with pytest.raises(NoSolutionError, match="no event happens from t = "):  # one impact, and rest
+        contin.periodic_orbit(still, {"x": 0.9, "v": 2.0}, {"w": 9.0})
