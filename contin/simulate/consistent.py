@@ -61,7 +61,9 @@ def consistent_start(system: object, u: Array, p: Array) -> Array:
 
 
 def moved_onto(system: CompiledSystem, given: Array, found: Array) -> str:
-    """What consistent initial values changed, in words; empty where nothing."""
+    """What consistent initial values changed, in words; empty where nothing (and where states have no names)."""
+    if found is given:
+        return ""
     changed = [
         f"{name} = {new:.6g}"
         for name, old, new in zip(system.state_names, given.tolist(), found.tolist(), strict=True)

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import contin
 from contin.cli.main import main
@@ -113,3 +115,18 @@ def test_where_a_population_between_absorbing_ends_survives():
     line = contin.continuation(contin.load(run["model"]), "growth", (0, 0.05))
     exact = 0.1 * (np.pi / 10) ** 2 * np.array([1, 4])
     np.testing.assert_allclose([p.values["growth"] for p in line.points], exact, rtol=1e-9)
+
+
+def test_where_prey_survive_among_predators_that_are_fed_in_at_the_ends():
+    """pd2: the lowest p of w'' + (p - cosh(x)/cosh(1/2)) w = 0, w = 0 at the ends of (-1/2, 1/2), by shooting."""
+
+    def end(p: float) -> float:
+        def right(x: float, w: np.ndarray) -> list[float]:
+            return [w[1], (np.cosh(x) / np.cosh(0.5) - p) * w[0]]
+
+        return float(solve_ivp(right, (0, 0.5), [1, 0], method="DOP853", rtol=1e-12, atol=1e-13).y[0, -1])
+
+    run = read_file("examples/pde/pd2.yaml").data
+    line = contin.continuation(contin.load(run["model"]), "growth", (5, 15))
+    (point,) = line.points
+    assert point.values["growth"] == pytest.approx(brentq(end, 9, 12, xtol=1e-12), rel=1e-9)
