@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 
-ROUNDING: Final = 30.0 * float(np.finfo(float).eps)  # of an entry: it is itself a sum of larger terms
+EPSILON: Final = float(np.finfo(float).eps)
+ROUNDING: Final = 30.0 * EPSILON  # of an entry: it is itself a sum of larger terms
 
 
 def branch_point_is_lost(jacobian: Array) -> bool:
     """True where the smallest singular value of [F_u F_p] (n, n + 1) may be zero for all that rounding lets see."""
     left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
     felt = np.abs(left[:, -1]) @ np.abs(jacobian) @ np.abs(right[-1])
-    return bool(singular[-1] <= ROUNDING * float(felt))
+    return bool(singular[-1] <= max(ROUNDING * float(felt), EPSILON * float(singular[0])))
 
 
 def pair_is_lost(matrix: Array) -> bool:

@@ -10,9 +10,11 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.problem import Verified
+from contin.machine import elementary
 from contin.problems.branching.halves import Fan, fan
 from contin.problems.branching.outset import Outset
 from contin.problems.branching.reduced import ReducedEquations
+from contin.problems.lost_tests import branch_point_is_lost
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -20,9 +22,8 @@ if TYPE_CHECKING:
 KINDS = ("tangency", "degenerate")  # of simple branch points
 ACCURATE = 2  # order of contact up to which Newton's method places the point well
 UNCLEAR = 3.0  # times the error of a simple zero, where the order of a degenerate one is not known
-NEAREST, FARTHEST, GROWTH = 1e-9, 0.1, 2.0  # scaled distances at which a degenerate point may still be hidden
-CORRECTIONS = 3  # of Newton's method
-FLAT = 1e-9  # of the largest singular value
+NEAREST, FARTHEST, GROWTH = 1e-9, 0.1, 3.0  # scaled distances at which a degenerate point may still be hidden
+ANGLES, SECTIONS, SECTION = 24, 30, 0.6180339887498949  # of a half circle; golden sections of the best part
 ALONG = 0.99  # cosine of a curve's tangent and the branch's own from which they may be one
 
 
@@ -71,46 +72,61 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
         if form.get("kind") != "tangency" or (count, halves) != (2, 4):
             form["kind"] = "degenerate"
         text = f"BP: degenerate, {count} branch{'es' * (count != 1)} of {halves} halves meet there"
-        error, hidden = UNCLEAR * point.error, _lost_along(problem, point.z, scale, found)
+        error, hidden = UNCLEAR * point.error, _lost_along(problem, point.z, scale)
         if hidden > error:
             error, text = hidden, f"{text}, or cross several times within the stated error"
         return replace(_with(point, text, form, touches=count > 0), error=error)
     order = f"contact of order {contact.order}"
     text = f"BP: two branches touch with {order}, or cross several times within the stated error"
     touching = _with(point, text, {**form, "contact": contact.order}, touches=True)
+    touching = replace(touching, error=max(point.error, _lost_along(problem, point.z, scale)))
     if contact.order <= ACCURATE:
         return touching
     # located where a function of high order is lost in its rounding errors: how far off is what the gaps say
-    return replace(touching, error=max(point.error, 2.0 * abs(float(contact.off[-1])) * float(scale[-1])))
+    return replace(touching, error=max(touching.error, 2.0 * abs(float(contact.off[-1])) * float(scale[-1])))
 
 
-def _lost_along(problem: EquilibriumProblem, z: Array, scale: Array, found: Fan) -> float:
-    """How far in the parameter, along one of the curves, rounding hides that the point is passed.
+def _lost_along(problem: EquilibriumProblem, z: Array, scale: Array) -> float:
+    """How far in the parameter, along whatever passes there, rounding hides that the point is passed.
 
-    Simple crossings beside each other, in skewed coordinates, look like one degenerate point between them.
+    Simple crossings beside each other, in skewed coordinates, look like one degenerate point between them. Along a
+    branch through both, [F_u F_p] is singular to rounding; on circles about the point in its kernel it is looked for.
     """
-    test, farthest = problem.watch("BP"), 0.0
-    for half in (half for curve in found.curves for half in curve):
-        distance = NEAREST
-        while distance < FARTHEST:
-            at = _solved(problem, z + distance * scale * half.direction, scale)
-            if test is None or at is None or not problem.is_lost(test, at, scale):
-                break
-            farthest = max(farthest, GROWTH * abs(float(at[-1] - z[-1])))
-            distance *= GROWTH
+    farthest, distance = 0.0, NEAREST
+    kernel = np.linalg.svd(_scaled(problem, z, scale))[2][-2:]
+    while distance < FARTHEST:
+        found = _most_singular(problem, z, scale, distance * kernel)
+        if found is None or not branch_point_is_lost(_scaled(problem, found, scale)):
+            break
+        farthest = max(farthest, GROWTH * abs(float(found[-1] - z[-1])))
+        distance *= GROWTH
     return farthest
 
 
-def _solved(problem: EquilibriumProblem, z: Array, scale: Array) -> Array | None:
-    """F = 0 at the parameter of z, without moves in which F hardly changes."""
-    for _ in range(CORRECTIONS):
-        f, jacobian = problem.linearise(z)
-        matrix = jacobian[:, :-1] * scale[:-1] / scale[:-1, None]
-        if not (np.isfinite(f).all() and np.isfinite(matrix).all()):
-            return None
-        step = np.linalg.lstsq(matrix, -f / scale[:-1], rcond=FLAT)[0]
-        z = z + np.append(scale[:-1] * step, 0.0)
-    return z
+def _most_singular(problem: EquilibriumProblem, z: Array, scale: Array, kernel: Array) -> Array | None:
+    """The place on an ellipse about z, with the half-axes `kernel` (2, n + 1), where [F_u F_p] is nearest singular."""
+
+    def at(angle: float) -> Array:
+        return np.asarray(z + scale * (elementary.cos(angle) * kernel[0] + elementary.sin(angle) * kernel[1]))
+
+    def size(angle: float) -> float:
+        matrix = _scaled(problem, at(angle), scale)
+        return float(np.linalg.svd(matrix, compute_uv=False)[-1]) if np.isfinite(matrix).all() else np.inf
+
+    step = np.pi / ANGLES
+    sizes = [size(k * step) for k in range(ANGLES)]
+    best = int(np.argmin(sizes))
+    if not np.isfinite(sizes[best]):
+        return None
+    low, high = (best - 1) * step, (best + 1) * step
+    for _ in range(SECTIONS):
+        left, right = high - SECTION * (high - low), low + SECTION * (high - low)
+        low, high = (low, right) if size(left) < size(right) else (left, high)
+    return at(0.5 * (low + high))
+
+
+def _scaled(problem: EquilibriumProblem, z: Array, scale: Array) -> Array:
+    return np.asarray(problem.linearise(z)[1] * scale / scale[:-1, None])
 
 
 def _with(point: Verified, remark: str, form: dict[str, object] | None = None, touches: bool = False) -> Verified:
