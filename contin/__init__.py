@@ -27,6 +27,7 @@ _EXPORTS = {
     "from_autograd": "contin.problems.functions.automatic",
     "from_casadi": "contin.problems.functions.automatic",
     "from_jax": "contin.problems.functions.automatic",
+    "from_petsc": "contin.problems.functions.petsc",
     "load": "contin.model.registry",
     "lyapunov": "contin.exponents.lyapunov",
     "manifold": "contin.api",

@@ -67,6 +67,8 @@ def _cycle(apply: Operator, precondition: Operator, v: Vector, beta: float, goal
             w = w - np.einsum("i,ij->j", h, basis[: k + 1])
             hessenberg[: k + 1, k] += h
         length = norm(w)
+        if not np.isfinite(length):  # LAPACK would print that
+            return np.zeros_like(v), k + 1, np.inf
         hessenberg[k + 1, k] = length
         steps = k + 1
         e = np.zeros(k + 2)

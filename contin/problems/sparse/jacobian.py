@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,15 @@ ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to fact
 OUT_OF_DATE = 7  # GMRES iterations from which old factors are renewed
 WORSE = 1.5  # ratio of GMRES iterations to those of a new preconditioner from which the user's is made anew, ...
 MORE = 3  # ... and as many beside
+STRONG = 20  # GMRES iterations (to eleven digits) up to which a new preconditioner is nearly an inverse
+
+
+@dataclass(eq=False)
+class Held:
+    """A user's preconditioner and the GMRES iterations that it took when it was new (0: not known yet)."""
+
+    apply: Callable[[Array], Array]
+    iterations: int = 0
 
 
 class JacobianSource:
@@ -34,7 +44,8 @@ class JacobianSource:
         self.system = system
         self.factoriser = Factoriser()
         self._last: KrylovLinear | None = None
-        self._first: KrylovLinear | None = None  # of those that share the user's preconditioner
+        self._held: Held | None = None  # the user's preconditioner, ...
+        self._before: Held | None = None  # ... and the one that it replaced, as long as it is not known to be better
         model = system.model
         if model.jacobian is None and model.sparsity is not None and model.written is None:
             try_sparsity(system, self._coloured)
@@ -72,20 +83,44 @@ class JacobianSource:
 
     def _preconditioned(self, matrix: csc_matrix, u: Array, p: Array) -> KrylovLinear | None:
         """Solved by GMRES with the user's preconditioner of an earlier point, as long as it serves well."""
-        first, last = self._first, self._last
-        apply = None if first is None else first.approximate
-        if apply is None or first is None or last is None or last.iterations > WORSE * first.iterations + MORE:
-            apply, first = self.system.attempt("preconditioner", lambda: self._preconditioner(u, p), None, u, p), None
-            self.factoriser.tally.factorisations += 1
-        if apply is None:
-            return None
-        fresh = KrylovLinear(lambda v: np.asarray(matrix @ v), apply, matrix=matrix, tally=self.factoriser.tally)
-        self._last, self._first = fresh, fresh if first is None else first
-        return fresh
+        return self._serving(lambda v: np.asarray(matrix @ v), matrix, u, p)
 
-    def is_fresh(self, linear: Linear) -> bool:
-        """True for the first operator with a preconditioner that was made for it."""
-        return linear is self._first
+    def _serving(
+        self, product: Callable[[Array], Array], matrix: csc_matrix | None, u: Array, p: Array
+    ) -> KrylovLinear | None:
+        """The operator v -> product(v) with the last preconditioner, made anew where that has become worse.
+
+        A new one that is worse still (multigrid next to a fold) is given up for the one that it replaced.
+        """
+        last, held, before = self._last, self._held, self._before
+        if held is not None and last is not None and held.iterations == 0:
+            held.iterations = last.iterations
+            if before is not None and held.iterations > before.iterations:
+                held, self._before, last = before, None, None
+        if held is None or (last is not None and last.iterations > WORSE * held.iterations + MORE):
+            apply = self.system.attempt("preconditioner", lambda: self._preconditioner(u, p), None, u, p)
+            self.factoriser.tally.factorisations += 1
+            if apply is None:
+                return None
+            if held is not None and last is not None:
+                self._before = Held(held.apply, last.iterations)
+            held = Held(apply)
+        self._held = held
+        approximate, lost = held.apply, np.full(self.system.n, np.nan)
+
+        def apply_here(r: Array) -> Array:  # where it fails is this point, wherever it was made
+            return np.asarray(self.system.attempt("preconditioning", lambda: approximate(r), lost, u, p))
+
+        self._last = KrylovLinear(product, apply_here, matrix=matrix, tally=self.factoriser.tally)
+        return self._last
+
+    def corrects(self) -> bool:
+        """True where one application of the user's preconditioner, made at an earlier point, nearly solves.
+
+        Eigenvectors are corrected by it (Davidson's method), whose corrections would look small with a weak one.
+        """
+        held = self._held
+        return held is not None and 0 < held.iterations <= STRONG
 
     def matrix(self, u: Array, p: Array) -> csc_matrix:
         """F_u as a CSC matrix."""
@@ -144,10 +179,10 @@ class JacobianSource:
     # matrix-free ------------------------------------------------------------------------------------------------------
 
     def _matrix_free(self, u: Array, p: Array) -> KrylovLinear | None:
-        attempt = self.system.attempt
-        product = attempt("Jacobian", lambda: self._product(u, p), None, u, p)
-        preconditioner = attempt("preconditioner", lambda: self._preconditioner(u, p), None, u, p)
-        return None if product is None or preconditioner is None else KrylovLinear(product, preconditioner)
+        product = self.system.attempt("Jacobian", lambda: self._product(u, p), None, u, p)
+        if product is None or self.system.model.preconditioner is None:
+            return None if product is None else KrylovLinear(product, lambda r: r)
+        return self._serving(product, None, u, p)
 
     def _product(self, u: Array, p: Array) -> Callable[[Array], Array]:
         system, model, n = self.system, self.system.model, self.system.n
@@ -163,12 +198,11 @@ class JacobianSource:
 
     def _preconditioner(self, u: Array, p: Array) -> Callable[[Array], Array]:
         system, model, n = self.system, self.system.model, self.system.n
-        if model.preconditioner is None:
-            return lambda r: r
+        assert model.preconditioner is not None
         made = called("preconditioner", model.preconditioner, u, system._named(p))
 
         def apply(r: Array) -> Array:
             self.factoriser.tally.applied(r)
             return vector("preconditioner", called("preconditioner", made, r), n).astype(float)
 
-        return lambda r: np.asarray(system.attempt("preconditioning", lambda: apply(r), np.full(n, np.nan), u, p))
+        return apply

@@ -225,7 +225,7 @@ class LargeProblem(InOneParameterProblem):
             return None
         if linear.precise is not None:
             return linear.precise.solve
-        if linear.matrix is None or self.source.is_fresh(linear):
+        if not self.source.corrects():
             return None
         return lambda columns: np.column_stack([linear.precondition(r) for r in columns.T])
 

@@ -107,7 +107,7 @@ class Reduced:
             hessian = self.second(z, solver, along)
             if not np.all(np.isfinite(hessian)):
                 return None
-            step = np.linalg.lstsq(hessian, -gradient)[0]
+            step = np.linalg.lstsq(hessian, -gradient, rcond=None)[0]
             size = float(np.linalg.norm(step))
             if not np.isfinite(size):
                 return None

@@ -358,10 +358,17 @@ def test_a_function_that_fails_ends_the_branch_with_its_reason(broken):
         return guarded
 
     functions = {"residual": lambda u, p: p["p"] - u**2, "jacobian": lambda u, p: sp.diags(-2.0 * u).tocsc()}
-    if broken == "preconditioner":
-        functions["jacobian"] = lambda u, p: sp.linalg.aslinearoperator(sp.diags(-2.0 * u))
-        functions["preconditioner"] = lambda u, p: lambda r: -r / (2.0 * u)
-    functions[broken] = failing(functions[broken])
+    if broken == "preconditioner":  # kept while it serves: it fails where it is applied
+        latest = {}
+
+        def products(u, p):
+            latest.update(p)
+            return sp.linalg.aslinearoperator(sp.diags(-2.0 * u))
+
+        functions["jacobian"] = products
+        functions["preconditioner"] = lambda u, p: lambda r: failing(lambda u, p: -r / (2.0 * u))(u, latest)
+    else:
+        functions[broken] = failing(functions[broken])
     problem = contin.FunctionProblem(u0=np.ones(60), parameters={"p": 1.0}, **functions)
     branch = api.continuation(problem, "p", (0.5, 2.0))
     assert (branch.columns["p"].min(), branch.columns["p"].max()) == (0.5, pytest.approx(1.5, rel=2e-2))
