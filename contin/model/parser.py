@@ -247,7 +247,9 @@ class _Parser:
         value = self.close_above(_LEVELS["bracket"], value)
         top = self.stack[-1]
         if len(self.stack) > 1:
-            raise ExpressionError("'(' is never closed", top.position + len(top.name or ""))
+            cut = top.name in ("max", "min", "atan2", "mod")  # these have a comma inside
+            quoted = "; between { and } a comma ends a formula in YAML: put this one in quotes" if cut else ""
+            raise ExpressionError(f"'(' is never closed{quoted}", top.position + len(top.name or ""))
         return value
 
     # Putting finished parts together ----------------------------------------------------------------------------------

@@ -136,6 +136,7 @@ MISTAKES = [  # formula over x, y, beta and function f(u, v); position; what the
     ("x ? y : 1", 2, "u if c else v"),
     ("(x", 0, r"'\(' is never closed"),
     ("sin(x", 3, r"'\(' is never closed"),
+    ("max(x - 1", 3, r"a comma ends a formula in YAML: put this one in quotes"),
     ("x)", 1, r"'\)' without '\('"),
     ("x, y", 1, "only between the arguments"),
     ("sin(x, y)", 0, "sin takes 1 argument, got 2"),
