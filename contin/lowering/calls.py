@@ -162,6 +162,18 @@ class Calls:
             loop(address, count, states.ctypes.data, steps[0], others.ctypes.data, steps[1], out.ctypes.data, steps[2])
         return out
 
+    def steps(self, address: Address, points: Array, p: Array) -> None:
+        """(u, p, out) from points[0] (n,) on, each output the next input, into points[1:]; p (p_size,)."""
+        others = np.ascontiguousarray(p, dtype=float)
+        if points.shape[1:] != self._u_shape or others.shape != self._p_shape or not points.flags.c_contiguous:
+            raise ValueError(
+                f"points must be (N, {self.n}) in order, p ({self.p_size},); got {points.shape}, {others.shape}"
+            )
+        if address != NO_FUNCTION and len(points) > 1 and self.n:
+            at, n = points.ctypes.data, self.n
+            loop = _loop(loop_address())
+            loop(address, len(points) - 1, at, n, others.ctypes.data, 0, at + points.strides[0], n)
+
     def _load(self, u: ArrayLike, p: ArrayLike) -> tuple[int, int, dict[int, tuple[Array, int]]]:
         """Copy u and p into this thread's buffers; their addresses, and the outputs there are."""
         states = u if type(u) is np.ndarray else np.asarray(u, dtype=float)

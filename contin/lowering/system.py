@@ -162,6 +162,10 @@ class CompiledSystem:
         """f at N points, (N, n): u (N, n), p (N, p_size) or one (p_size,) for all."""
         return self._calls.vectors(self._call("value"), self.value_address, self.n, u, p)
 
+    def steps(self, points: Array, p: Array) -> None:
+        """Of a map: from points[0] on, its iterates into points[1:], (N, n)."""
+        self._calls.steps(self.value_address, points, p)
+
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """f (n,) and df/dz (n, n + p_size), z = (u, p)."""
         return self._calls.jacobian(self._call("jacobian", 4), u, p)

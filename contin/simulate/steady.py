@@ -24,6 +24,7 @@ from contin.simulate.flight import fly
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.reach import left_reach
 from contin.simulate.run import observed, over_time
+from contin.systems.steps import iterates
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -166,13 +167,11 @@ def _iterates(system: CompiledSystem, p: Array, box: Array) -> Advance:
     """The same of a map."""
 
     def advance(u: Array, done: int, count: int) -> tuple[Array, _Samples, float, str, str]:
-        states, taken, how = np.empty((count, system.n)), count, ("done", "")
-        for k in range(count):
-            u = system.value(u, p)
-            if not np.all(np.abs(u) <= box):
-                taken, how = k, ("escaped", "left the box")
-                break
-            states[k] = u
+        points = iterates(system, u, p, count, box)
+        states, taken, how = points[1:], len(points) - 1, ("done", "")
+        u = points[-1].copy()
+        if not np.all(np.abs(u) <= box):
+            taken, how = taken - 1, ("escaped", "left the box")
         t = np.arange(done + 1.0, done + taken + 1.0)
         found = _Samples(t, states[:taken], observed(system, states[:taken], p, t))
         return u, found, float(done + taken + (how[0] != "done")), *how

@@ -16,6 +16,7 @@ from contin.problems.maps.cycle import CycleProblem
 from contin.problems.start import converge
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 from contin.systems.iterate import iterate
+from contin.systems.steps import iterates
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -110,15 +111,15 @@ def _settled(system: System, u: Array, p: Array, periods: Array, sizes: Array) -
     far = FAR * max(1.0, length(x, sizes)) * sizes
     done = 0
     for until in (FIRST, LAST):
-        while done < until:
-            x = np.asarray(system.value(x, p))
-            done += 1
-            if not (np.abs(x) < far).all():  # not a number, too
-                return None, 0
-        path = [x]
-        for _ in range(LONGEST):
-            path.append(np.asarray(system.value(path[-1], p)))
-        scale = length(np.array(path), sizes)
+        before = iterates(system, x, p, until - done, far)
+        x = before[-1].copy()
+        if len(before) <= until - done or not np.all(np.abs(x) <= far):
+            return None, 0
+        done = until
+        path = iterates(system, x, p, LONGEST, np.inf)
+        if len(path) <= LONGEST:
+            return None, 0
+        scale = length(path, sizes)
         for steps in range(1, LONGEST + 1):
             if length(wrapped(path[steps] - x, periods), sizes) <= SETTLED * scale:
                 return x, steps
