@@ -90,6 +90,8 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
         f_trial = size(trial)
         if f_trial < 0.0 or trial.unstable != here.unstable:
             hidden = [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])]
+            if stretch.length_of(trial) < 0.0:  # in the step before: a shorter last step would only not look there
+                hidden = [replace(item, suspect=False) if isinstance(item, Note) else item for item in hidden]
             items = list(_pair(stretch, low, high, a, hidden))
             if not items and is_planar(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
                 items = [Note(where(stretch, trial, TOUCHES))]
