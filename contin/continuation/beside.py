@@ -95,7 +95,12 @@ def _grows(stretch: Stretch, side: Side, crossing: NDArray[np.bool_]) -> bool:
 
 
 def vanishes_linearly(stretch: Stretch, point: Sample, side: Side, crossing: NDArray[np.bool_]) -> bool:
-    """True where the tests on this side vanish as at a simple zero alone, from where they are told from rounding."""
+    """True where the tests on this side vanish as at a simple zero alone, from where they are told from rounding.
+
+    Of a test that is a sign alone, as that of a sparse determinant, nothing can be said of the kind, and nothing is.
+    """
+    if np.all(np.abs(side.near.tests[crossing]) == 1.0) and np.all(np.abs(side.far.tests[crossing]) == 1.0):
+        return True
     if not side.lost:
         return side.nearer is None or is_linear(stretch, point, side.near, side.nearer, crossing)
     farther = (FARTHER - 1.0) * side.distance / (side.width - side.distance)

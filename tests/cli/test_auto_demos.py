@@ -100,6 +100,8 @@ WANTED = {
     "plp": {"rest.HB": ("rho", [brentq(trace_of_plp, 3.2, 3.8), brentq(trace_of_plp, 4.3, 5.0)])},
     # tested below; the doubled rotations of period 68 are at 0.17362879276
     "pen": {"turns.PD": ("I", [0.17916378]), "doubled.HOM": ("I", [0.17362879276])},
+    # where the folds of cycles turn in p2 two families cross, and there the curve in three parameters begins
+    "abcb": {"folds.EX": ("p2", [0.98218259, 1.26865801]), "across.BPC": ("p2", [0.98218259])},
 }  # fmt: skip
 
 
@@ -179,6 +181,15 @@ def test_mirror_images_end_at_one_homoclinic_orbit_where_their_folds_accumulate(
     for end in branches["other"]["ends"]:
         # folds at nu = -0.7604069193, -0.7188420834, -0.7316358380, -0.7281537738, -0.7291632519, -0.7288774659, ...
         assert abs(end["at"]["nu"] + 0.728941008) < end["error"] < 3e-7
+
+
+@pytest.mark.long
+def test_a_heteroclinic_orbit_of_five_equations_is_where_the_manual_has_it(tmp_path):
+    """she: AUTO prints mu = 0.136505 at sigma = 0.452847, and 0.387300 at 0.859097."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "she.yaml"), "--quiet", "--json", str(out))
+    (branch,) = json.loads(out.read_text())["branches"]
+    assert [p["values"]["mu"] for p in branch["points"]] == pytest.approx([0.136505, 0.387300], abs=6e-7)
 
 
 def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so(tmp_path):

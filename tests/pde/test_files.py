@@ -115,6 +115,7 @@ def test_where_a_population_between_absorbing_ends_survives():
     line = contin.continuation(contin.load(run["model"]), "growth", (0, 0.05))
     exact = 0.1 * (np.pi / 10) ** 2 * np.array([1, 4])
     np.testing.assert_allclose([p.values["growth"] for p in line.points], exact, rtol=1e-9)
+    assert not line.notes  # a test that is a sign says nothing of the kind of zero
 
 
 def test_where_prey_survive_among_predators_that_are_fed_in_at_the_ends():
