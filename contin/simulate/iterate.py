@@ -14,6 +14,7 @@ from contin.simulate.condition import condition
 from contin.simulate.flight import DONE
 from contin.simulate.path import EVENT, NO_EVENT
 from contin.simulate.run import Simulation, observed
+from contin.systems.steps import AT_ONCE, iterates
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -31,24 +32,25 @@ def iterated(
     if count + skipped > LONGEST:
         raise InputError(f"a map is iterated at most {LONGEST} times; got {count + skipped}")
     test = None if until is None else _test(model, until)
-    kept, outcome, why = [u], DONE, ""
+    outcome, why = DONE, ""
     full = np.append(p, 0.0) if system.is_forced else p
-    for k in range(count + skipped):
-        u = system.value(u, full)
-        if not np.all(np.abs(u) <= box):
-            outcome, why = "escaped", f"left the box at iterate {k + 1}: a state exceeds {box:.6g}"
-            break
-        kept.append(u)
-        if test is not None and test(u, p):
-            outcome, why = EVENT, str(until)
-            break
-    else:
-        if test is not None:
-            outcome, why = NO_EVENT, f"the event {until} did not come in {count + skipped} iterates"
-    states = np.array(kept[skipped:]).reshape(-1, system.n)
+    kept = [np.asarray(u, dtype=float)[None]]
+    done, last = 0, count + skipped
+    while done < last and outcome == DONE:
+        some = iterates(system, kept[-1][-1], full, min(AT_ONCE, last - done), box)[1:]
+        if not np.all(np.abs(some[-1]) <= box):
+            outcome, why = "escaped", f"left the box at iterate {done + len(some)}: a state exceeds {box:.6g}"
+            some = some[:-1]
+        met = None if test is None else next((k for k, x in enumerate(some) if test(x, p)), None)
+        if met is not None:
+            some, outcome, why = some[: met + 1], EVENT, str(until)
+        kept.append(some)
+        done += len(some)
+    if test is not None and outcome == DONE:
+        outcome, why = NO_EVENT, f"the event {until} did not come in {count + skipped} iterates"
+    states = np.concatenate(kept)[skipped:]
     t = np.arange(skipped, skipped + len(states), dtype=float)
-    end = float(len(kept) - 1)
-    return Simulation(model, "map", p, t, states, observed(system, states, p, t), end, len(kept) - 1, 0, outcome, why)
+    return Simulation(model, "map", p, t, states, observed(system, states, p, t), float(done), done, 0, outcome, why)
 
 
 def _test(model: Model, until: str) -> Any:
