@@ -76,14 +76,19 @@ def _in_double_precision(value: Vector) -> None:
 
 
 def _difference(system: FunctionSystem, u: Array, p: Array, v: Array) -> tuple[Array, Array]:
-    """D F[v] by central differences, and the estimate of its error; NaN where F is not real and finite."""
-    n, slopes = system.n, []
+    """D F[v] by central differences, and the estimate of its error; NaN where F is not real and finite.
+
+    Two differences may err alike by rounding, as where a small term stands beside large ones: that is counted too.
+    """
+    n, slopes, size = system.n, [], 0.0
     for h in (STEP, 0.5 * STEP):
         ahead, behind = (_value(system, u + s * h * v[:n], p + s * h * v[n:]) for s in (1.0, -1.0))
         if ahead is None or behind is None:
             return np.full(n, np.nan), np.full(n, np.nan)
         slopes.append((np.real(ahead).astype(float) - np.real(behind).astype(float)) / (2.0 * h))
-    return (4.0 * slopes[1] - slopes[0]) / 3.0, np.abs(slopes[1] - slopes[0])
+        size = max(size, float(np.abs(ahead).max(initial=0.0)), float(np.abs(behind).max(initial=0.0)))
+    rounding = float(np.finfo(float).eps) * size / STEP
+    return (4.0 * slopes[1] - slopes[0]) / 3.0, np.abs(slopes[1] - slopes[0]) + rounding
 
 
 def differs(given: Array, found: Array, error: Array) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import contin
 from contin.errors import InputWarning, UserFunctionError
@@ -214,3 +215,29 @@ def test_a_branch_turns_at_a_corner_in_few_steps_with_its_place_and_no_fold(what
     note = next(text for text in branch.notes if "corner" in text)
     place = float(note.split("near a = ")[1].split(",")[0].split(" ")[0])
     assert abs(place - a_c) < 1e-5
+
+
+def test_a_small_term_beside_large_ones_is_not_judged_by_rounding():
+    n = 400
+    rows = np.arange(n)
+
+    def residual(u, p):
+        return 1e3 * (np.roll(u, 1) - 2.0 * u + np.roll(u, -1)) + p["r"] * u - p["c"] * u**5
+
+    def jacobian(u, p):
+        middle = sp.csc_matrix((p["r"] - 5.0 * p["c"] * u**4 - 2e3, (rows, rows)), shape=(n, n))
+        ahead = sp.csc_matrix((np.full(n, 1e3), (rows, (rows + 1) % n)), shape=(n, n))
+        return (middle + ahead + ahead.T).tocsc()
+
+    slopes = {"r": lambda u: u, "c": lambda u: -(u**5)}
+    for sign, told in ((1.0, None), (-1.0, "dF.*/dr is")):
+        problem = contin.FunctionProblem(
+            residual, np.zeros(n), {"r": 0.5, "c": 1.0}, jacobian, parameter_jacobian=lambda u, p, name, sign=sign: (
+                sign * slopes[name](u)
+            ),
+        )  # fmt: skip
+        if told is None:
+            contin.equilibrium(problem)
+        else:
+            with pytest.raises(contin.ContinError, match=told):
+                contin.equilibrium(problem)
