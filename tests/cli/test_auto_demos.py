@@ -192,6 +192,28 @@ def test_a_heteroclinic_orbit_of_five_equations_is_where_the_manual_has_it(tmp_p
     assert [p["values"]["mu"] for p in branch["points"]] == pytest.approx([0.136505, 0.387300], abs=6e-7)
 
 
+def test_homoclinic_orbits_to_saddle_nodes_are_where_the_manual_has_them(tmp_path):
+    """mtn: AUTO prints (K, Z) = (7.09217, 0.158708), (11.0181, 0.280980); non-central (5.18032, 0.0638551)."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "mtn.yaml"), "--quiet", "--json", str(out))
+    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    at = {p["type"]: p["values"] for name in ("cycles", "loop") for p in branches[name]["points"]}
+    assert [at[type_]["Z"] for type_ in ("HOM", "UZ")] == pytest.approx([0.158708, 0.280980], abs=6e-7)
+    assert at["NCH"]["K"] == pytest.approx(5.18032, abs=2e-5)
+    assert at["NCH"]["Z"] == pytest.approx(0.0638551, abs=2e-7)
+
+
+@pytest.mark.long
+def test_an_orbit_flip_in_an_invariant_plane(tmp_path):
+    """san: at mu = m = 0 the plane z = 0 is invariant, and its orbit x^2 (1 - x) = y^2 has no leading part."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "san.yaml"), "--quiet", "--json", str(out))
+    (branch,) = json.loads(out.read_text())["branches"]
+    (point,) = branch["points"]
+    assert point["type"] == "OFS"
+    assert (point["values"]["mu"], point["values"]["m"]) == pytest.approx((0, 0), abs=1e-8)
+
+
 def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so(tmp_path):
     """lor: the orbit closes, and has the multiplier -1, by Dormand and Prince's method."""
     out = tmp_path / "out.json"
