@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 KINDS = ("tangency", "degenerate")  # of simple branch points
 ACCURATE = 2  # order of contact up to which Newton's method places the point well
 UNCLEAR = 3.0  # times the error of a simple zero, where the order of a degenerate one is not known
-NEAREST, FARTHEST, GROWTH = 1e-9, 0.1, 3.0  # scaled distances at which a degenerate point may still be hidden
+NEAREST, FARTHEST, GROWTH, CLEAR = 1e-9, 0.1, 2.0, 4  # scaled distances at which a degenerate point may still be hidden
 ANGLES, SECTIONS, SECTION = 24, 30, 0.6180339887498949  # of a half circle; golden sections of the best part
 ALONG = 0.99  # cosine of a curve's tangent and the branch's own from which they may be one
 
@@ -94,11 +94,12 @@ def _lost_along(problem: EquilibriumProblem, z: Array, scale: Array) -> float:
     """
     farthest, distance = 0.0, NEAREST
     kernel = np.linalg.svd(_scaled(problem, z, scale))[2][-2:]
-    while distance < FARTHEST:
+    clear = 0  # distances in turn: half way to a crossing more is seen than next to it
+    while distance < FARTHEST and clear < CLEAR:
         found = _most_singular(problem, z, scale, distance * kernel)
-        if found is None or not branch_point_is_lost(_scaled(problem, found, scale)):
-            break
-        farthest = max(farthest, GROWTH * abs(float(found[-1] - z[-1])))
+        clear += 1
+        if found is not None and branch_point_is_lost(_scaled(problem, found, scale)):
+            farthest, clear = max(farthest, GROWTH * abs(float(found[-1] - z[-1]))), 0
         distance *= GROWTH
     return farthest
 
