@@ -204,6 +204,18 @@ def test_homoclinic_orbits_to_saddle_nodes_are_where_the_manual_has_them(tmp_pat
 
 
 @pytest.mark.long
+def test_inclination_flips_are_where_the_manual_has_them(tmp_path):
+    """kpr: AUTO prints (lambda, k) = (-1.80166, -0.200266) and (-1.56876, -0.439547), from lambda = -1.851185."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "kpr.yaml"), "--quiet", "--json", str(out))
+    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    (start,) = branches["cycles"]["points"]
+    assert start["values"]["lambda"] == pytest.approx(-1.851185, abs=6e-7)
+    flips = sorted(p["values"]["k"] for p in branches["loop"]["points"] if p["type"] == "IFS")
+    assert flips == pytest.approx([-0.439547, -0.200266], abs=1e-6)
+
+
+@pytest.mark.long
 def test_an_orbit_flip_in_an_invariant_plane(tmp_path):
     """san: at mu = m = 0 the plane z = 0 is invariant, and its orbit x^2 (1 - x) = y^2 has no leading part."""
     out = tmp_path / "out.json"
