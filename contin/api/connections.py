@@ -19,6 +19,8 @@ from contin.model.model import Model
 from contin.model.parser import parse
 from contin.problems.orbits.cycle_ends import Cycle, Rest
 from contin.problems.orbits.frame import system_of_orbits
+from contin.problems.orbits.homoclinic.problem import ConnectionProblem
+from contin.problems.orbits.homoclinic.pulses import Pulses
 from contin.problems.orbits.homoclinic.reversor import reversor_of
 from contin.problems.orbits.homoclinic.start import ConnectingOrbit
 from contin.problems.orbits.homoclinic.table import Path
@@ -27,6 +29,7 @@ from contin.problems.start import Equilibrium
 from contin.records import Record
 
 LARGEST_TRUNCATION: Final = 0.1
+MOST_PULSES: Final = 5
 
 
 def connection(
@@ -38,7 +41,8 @@ def connection(
     samples: tuple[Array, Array] | None = None,
     truncation: float | None = None,
     reversor: Mapping[str, str | float] | None = None,
-) -> ConnectingOrbit | CycleConnection:
+    pulses: int | None = None,
+) -> ConnectingOrbit | CycleConnection | Pulses:
     """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
 
     origin : a model; or a point of a family of periodic orbits, whose long orbit passes the saddle.
@@ -54,6 +58,9 @@ def connection(
         then those that R maps onto themselves; of them half is solved for. They persist in one parameter where the
         unstable manifold and the fixed space of R have dimensions with sum n, and need two where it is n - 1.
 
+    pulses : from a labelled point of a curve of homoclinic orbits (`origin`): orbits that make so many turns before
+        they return, by Lin's method.
+
     `continuation(..., (p, q), ranges)` solves for the orbit at the present value of q. Where the dimensions of the two
     manifolds add up to n + 1, the connection persists, and `continuation(..., p, range)` follows it in one parameter.
 
@@ -66,6 +73,8 @@ def connection(
         )
     if reversor is not None and last is not None:
         raise InputError("a connecting orbit that a reversor maps onto itself leads to the image of `start`: no `to`")
+    if pulses is not None:
+        return _of_pulses(origin, pulses)
     if isinstance(first, SpecialPoint) or isinstance(last, SpecialPoint):
         options = {"samples": samples, "reversor": reversor, "truncation": truncation}
         given = [word for word, value in options.items() if value is not None]
@@ -100,6 +109,21 @@ def _images(model: Model, reversor: Mapping[str, str | float]) -> dict[str, Expr
 
 
 connecting_orbit = connection
+
+
+def _of_pulses(point: Model | SpecialPoint, count: int) -> Pulses:
+    """Orbits of several turns near that of a labelled point."""
+    if not isinstance(point, SpecialPoint) or not isinstance(point.problem, ConnectionProblem):
+        raise InputError("pulses: orbits of several turns start from a label of a curve of homoclinic orbits, `from`")
+    where, curve = f"{point.branch}.{point.label}", point.problem.curve
+    plain = curve.saddles == 1 and not curve.node and curve.reversor is None and curve.winding is None
+    if not plain or point.problem.isolated:
+        raise InputError(
+            f"{where} is no homoclinic orbit to a saddle in two parameters: it has no orbits of more turns"
+        )
+    if not 2 <= count <= MOST_PULSES:
+        raise InputError(f"pulses: from 2 to {MOST_PULSES} turns; got {count}")
+    return Pulses(point.problem, point.z, count, where)
 
 
 def _with_cycles(

@@ -121,7 +121,7 @@ class Planner(EntryParts):
         return RunPlan(
             name, parameters, bounds, start, reference, stored, as_, entry.direction, values, settings, to, samples,
             free, tuple(entry.extrema), tuple(entry.conditions), self.columns(entry, path),
-            ends=ends, connecting=_written(truncation=entry.truncation, reversor=entry.reversor),
+            ends=ends, connecting=_written(truncation=entry.truncation, reversor=entry.reversor, pulses=entry.pulses),
         )  # fmt: skip
 
     def manifold(self, name: str, entry: ContinuationEntry, path: Path) -> RunPlan:

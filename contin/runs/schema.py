@@ -88,6 +88,7 @@ OF_CONNECTIONS: Final = {
     "to": "the saddle that a connecting orbit leads to",
     "truncation": "how near to its saddles a connecting orbit is cut",
     "reversor": "the reflection under which a connecting orbit is symmetric",
+    "pulses": "how many turns a homoclinic orbit makes",
 }
 Kind = Literal["equilibrium", "orbit", "locus", "connection", "manifold", "torus"]
 
@@ -103,6 +104,7 @@ class ContinuationEntry(Section):
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
     truncation: Annotated[Positive, Field(ge=1e-8, le=0.1)] | None = None  # distance of its ends from them, relative
     reversor: dict[str, Formula] | None = None  # ... images of states under a reflection that reverses time
+    pulses: Annotated[Count, Field(ge=2, le=5)] | None = None  # turns, of orbits beside a homoclinic one (`from`)
     of: Start | None = None  # of a manifold: the equilibrium that it belongs to, or NAME.LABEL
     side: Literal["stable", "unstable"] | None = None
     dimension: Annotated[Count, Field(le=2)] | None = None
@@ -135,9 +137,12 @@ class ContinuationEntry(Section):
         a_cycle = isinstance(self.start, str) and "." in self.start
         persists = len(self.parameter) == 1 and (self.to is not None or self.reversor is not None or a_cycle)
         enough = len(self.parameter) == 2 or persists
-        if connects and (self.start is None or not enough):
+        turns = self.pulses is not None and self.from_ is not None  # the saddle is that of the orbit
+        if connects and ((self.start is None and not turns) or not enough):
             one = " (one is enough where connections to a second saddle, `to`, or symmetric ones, `reversor`, persist)"
             raise wrong(f"is a connection: give `start`, the saddle that it leaves, and two parameters{one}")
+        if self.pulses is not None and self.from_ is None:
+            raise wrong("has `pulses`: give `from`, a label of a curve of homoclinic orbits")
         own = [(key, what) for key, what in OF_CONNECTIONS.items() if getattr(self, key) is not None]
         if not connects and own:
             raise wrong(f"has `{own[0][0]}`, {own[0][1]}; write `as: connection`")

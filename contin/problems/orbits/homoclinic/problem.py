@@ -14,7 +14,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.errors import InputError
+from contin.errors import InputError, NoSolutionError
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.columns import of_one_size, orbit_columns
@@ -27,6 +27,7 @@ from contin.problems.orbits.layout import Profile, make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
 from contin.problems.orbits.zero_of_test import zero_of_test
+from contin.problems.two_parameters import UNBOUNDED
 from contin.records import Fields
 from contin.special.table import tests_of_connections
 
@@ -152,6 +153,19 @@ class ConnectionProblem(MarchedInPython):
             return None
         values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]
         return np.asarray(values.reshape(-1, n))
+
+    def adjoint_at(self, z: Array, s: float, sizes: Array) -> Array:
+        """The bounded solution of the adjoint variational equation at the scaled time s, (n,), in states' sizes."""
+        profile = self.curve.profile(z)
+        scale = self.scale_for(profile.h, sizes, *self.widths(z, UNBOUNDED))
+        row = np.zeros(z.size)
+        row[-1] = 1.0
+        own = replace(self, curve=replace(self.curve, gauge=Gauge()), _last={})  # whose reference is z
+        here = own.linearisation(z, row, scale)
+        found = None if here is None else own._adjoint(own._last["now"][1], z)
+        if found is None:
+            raise NoSolutionError("the adjoint solution of the homoclinic orbit is not determined")
+        return np.array([np.interp(s, profile.gauss_times, column) for column in found.T])
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(self, a, b)
