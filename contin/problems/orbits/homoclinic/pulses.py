@@ -28,6 +28,7 @@ from contin.problems.orbits.layout import Profile
 STEPS: Final = 400  # of a time between passages
 STEP: Final = 0.2  # of them, in times of the saddle's slowest rate
 DISTINCT: Final = 1e-4  # of the states' sizes: gaps that have been larger are told from errors of the interval's ends
+NO_ZERO: Final = "step 1 of Lin's method (shorter times between turns): no gap changes sign"
 MOST: Final = 4  # zeros of a gap that are tried
 SAMPLES: Final = 20_001  # of an orbit whose turns are counted
 BESIDE: Final = 0.3  # of the distance from saddle to section, within which an orbit passes its point
@@ -66,7 +67,7 @@ class Pulses:
                 return [self._joined(pieces)]
             except ContinError as error:
                 failures.append(f"step {self.count} of Lin's method (all pieces as one orbit): {error}")
-        told = failures[0] if failures else "no gap changes sign"
+        told = failures[0] if failures else NO_ZERO
         raise NoSolutionError(f"{self.where}: no homoclinic orbit of {self.count} turns was found: {told}")
 
     # -- the copies ----------------------------------------------------------------------------------------------------

@@ -51,6 +51,7 @@ def test_mistakes_are_named(tmp_path, capsys, change, message):
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_gaps_vanish_half_a_turn_of_the_spiral_apart(tmp_path):
     """Times between pulses differ by pi/omega, omega the saddle-focus's frequency (Oldeman and others 2003)."""
     path = tmp_path / "nerve.json"
