@@ -62,7 +62,9 @@ class Pulses:
         if set(parameters) != set(own):
             raise InputError(f"{self.where}: orbits of {self.count} turns are followed in {own[0]} and {own[1]}")
         failures = []
-        for pieces in self._closed(self._start(), 0):
+        start = self._start()
+        shift = int(abs(start.gaps[0]) <= abs(start.gaps[-1]))
+        for pieces in self._closed(start, 0, shift):
             try:
                 return [self._joined(pieces)]
             except ContinError as error:
@@ -109,19 +111,24 @@ class Pulses:
 
     # -- closing the gaps ----------------------------------------------------------------------------------------------
 
-    def _closed(self, start: Pieces, k: int) -> Iterator[Pieces]:
-        """Pieces whose gaps k, k + 1, .. vanish, those before being closed already: the last one by the parameter."""
+    def _closed(self, start: Pieces, k: int, shift: int) -> Iterator[Pieces]:
+        """Pieces whose gaps k + shift, .. vanish, those before being closed already.
+
+        shift : 1 where the copies leave the first gap closed, as it depends on the parameter alone (the others on the
+        time before them); 0 where it is the last one (the others on the time after them).
+        """
         if k == self.count - 1:
             yield start
             return
-        for at in self._zeros(start, k):
-            yield from self._closed(at, k + 1)
+        for at in self._zeros(start, k, shift):
+            yield from self._closed(at, k + 1, shift)
 
-    def _zeros(self, start: Pieces, k: int) -> Iterator[Pieces]:
+    def _zeros(self, start: Pieces, k: int, shift: int) -> Iterator[Pieces]:
         """Where gap k vanishes, at times that become shorter; those at which gaps are hardly more than noise last."""
-        last, times = self.count - 1, tuple(range(1, k + 1))
-        unknown = tuple(range(k, last))
-        now = replace(start, gaps=np.where(np.arange(self.count) == last, 0.0, start.gaps))
+        times, gap = tuple(range(1, k + 1)), k + shift
+        unknown = tuple(range(gap, self.count - 1 + shift))
+        anchor = 0 if shift else self.count - 1  # closed by the parameter
+        now = replace(start, gaps=np.where(np.arange(self.count) == anchor, 0.0, start.gaps))
         found, step = now.solved(unknown, times, True), self._step(start)
         shortest, largest, count = SHORTEST * start.pieces[k + 1].period, 0.0, 0
         early: list[Pieces] = []
@@ -132,9 +139,9 @@ class Pulses:
             found = before.shorter(k + 1, step).solved(unknown, times, True)
             if found is None:
                 break
-            a, b = float(before.gaps[k]), float(found.gaps[k])
+            a, b = float(before.gaps[gap]), float(found.gaps[gap])
             largest = max(largest, abs(b))
-            at = self._at_zero(before, found, k, times, unknown) if a * b < 0.0 else None
+            at = self._at_zero(before, found, (gap, k + 1), times, unknown) if a * b < 0.0 else None
             if at is not None and largest > DISTINCT:
                 count += 1
                 yield at
@@ -149,13 +156,15 @@ class Pulses:
         return float(max(STEP / sizes.max(), 0.1 * STEP / sizes.min()))
 
     def _at_zero(
-        self, before: Pieces, after: Pieces, k: int, times: tuple[int, ...], unknown: tuple[int, ...]
+        self, before: Pieces, after: Pieces, pair: tuple[int, int], times: tuple[int, ...], unknown: tuple[int, ...]
     ) -> Pieces | None:
-        near = after if abs(after.gaps[k]) < abs(before.gaps[k]) else before
+        """The gap of a pair closed by the time of its piece."""
+        gap, piece = pair
+        near = after if abs(after.gaps[gap]) < abs(before.gaps[gap]) else before
         gaps = near.gaps.copy()
-        gaps[k] = 0.0
-        rest = tuple(j for j in unknown if j != k)
-        return replace(near, gaps=gaps).solved(rest, (*times, k + 1), True)
+        gaps[gap] = 0.0
+        rest = tuple(j for j in unknown if j != gap)
+        return replace(near, gaps=gaps).solved(rest, (*times, piece), True)
 
     def _joined(self, pieces: Pieces) -> Seed:
         """One orbit, solved for as every other homoclinic orbit."""
