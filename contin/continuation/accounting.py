@@ -15,6 +15,8 @@ ANY: Final = 1_000_000
 TURNS: Final = 1e-5  # scaled slope of the parameter at a pitchfork: so small along the branch that turns there,
 STEEP: Final = 1e-2  # ... and larger along the one that is crossed
 BESIDE: Final = 3  # rows about a corner that the corrector may put on either of its arms
+TWICE: Final = ("BP", "BPC")  # points that a branch may pass twice
+BEYOND, ROUNDED = 0.2, 1e-12  # of two rows' distance, for what bends between them; of values
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
 
 
@@ -93,6 +95,29 @@ def unexplained(
         if not _is_sum(int(changes[place]), parts, slack) and not (first in excused and row in excused):
             found.append(row)
     return found
+
+
+def passed_again(
+    row: int, unstable: NDArray[np.int64], columns: Mapping[str, NDArray[np.float64]],
+    labels: Iterable[tuple[int, Verified, float]],
+) -> bool:  # fmt: skip
+    """True where the branch passes, just before a row, a branch point that is one of its own labels elsewhere.
+
+    As in the middle of a figure of eight: the point is labelled once. All columns have its values between two rows.
+    """
+    change = abs(int(unstable[row]) - int(unstable[row - 1]))
+    for place, point, _ in labels:
+        if point.type not in TWICE or change != moved(point):
+            continue
+        if all(_between(values[row - 1], values[row], values[place]) for values in columns.values()):
+            return True
+    return False
+
+
+def _between(a: float, b: float, value: float) -> bool:
+    """True where value lies between two others, or beyond by a part of their distance."""
+    slack = BEYOND * abs(b - a) + ROUNDED * max(abs(a), abs(b), abs(value))
+    return bool(min(a, b) - slack <= value <= max(a, b) + slack)
 
 
 def _of_arms(

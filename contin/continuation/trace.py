@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.accounting import MET, unexplained
+from contin.continuation.accounting import MET, passed_again, unexplained
 from contin.continuation.arm import Arm
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.closed import until_closed
@@ -198,8 +198,11 @@ def _assemble(
     told = is_planar(problem) and bool(properties)  # as that eigenvalues stay critical: their signs are rounding
     labels = [(row, point, float(raw_tangents[row, -1] / scale[-1])) for row, point, scale in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
-    changes = [] if told else unexplained(unstable, labels, born, rows.jumps, exact)
-    unlabelled = 0 if told else len(unexplained(unstable, labels, born, (), exact))  # with those where equations jump
+    changes, everywhere = (  # everywhere: with those where equations jump
+        [] if told else unexplained(unstable, labels, born, jumps, exact) for jumps in (rows.jumps, ())
+    )
+    changes = [row for row in changes if not passed_again(row, unstable, columns, labels)]
+    unlabelled = sum(not passed_again(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     notes += _remarks(rows.labelled, problem)
     if seed.scale is None:

@@ -51,3 +51,13 @@ def test_doubled_orbits_of_kopers_model_end_where_they_turn_round():
     found = contin.diagram(model, "lam", (-9.0, 9.0))
     assert sum(branch.steps for branch in found) < 5000
     assert not found.unfinished
+
+
+def test_the_middle_of_a_figure_of_eight_is_one_label_and_nothing_is_missing():
+    """p^2 = x^2 (1 - x^2) passes its branch point at 0 twice."""
+    model = Model("eight", states={"x": 0.5}, parameters={"p": 0.25 * 3.0**0.5}, equations={"x": "p^2 - x^2*(1 - x^2)"})
+    line = contin.continuation(contin.equilibrium(model), "p", (-1.0, 1.0))
+    assert [p.type for p in line.points].count("BP") == 1
+    assert [end.reason for end in line.ends] == ["closed", "closed"]
+    assert not line.notes
+    assert line.unexplained == line.jumped == 0
