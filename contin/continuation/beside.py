@@ -137,6 +137,7 @@ def cluster_at(stretch: Stretch, point: Sample, sides: Sequence[Side], crossing:
             return None
         with np.errstate(divide="ignore", invalid="ignore"):  # of a zero between the two the logarithm is NaN
             powers = np.array([log(tests[k + 1] / tests[k]) for k in range(0, len(tests), 2)]) / log(DOUBLE)
+        powers = np.where(np.isfinite(powers), powers, np.nan)
         mean = powers.mean(axis=0)
         counts = np.round(mean)
         whole = (np.abs(mean - counts) < WHOLE * len(sides)) & (counts > 0.0) & (np.ptp(powers, axis=0) < SPREAD)

@@ -23,6 +23,7 @@ ALIKE = 0.05  # arclength over which two branches that touch may be alike, and r
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 NOTHING_LEFT = 1e-6  # of the larger value at the neighbouring rows: a resolved minimum this low may be zero
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
+EXACT = ("equilibrium", "fixed-point", "algebraic")  # kinds whose tests have rounding errors only
 TOUCHES = "a test function touches zero without crossing it: a degenerate point, not labelled"
 
 
@@ -119,6 +120,8 @@ def _nothing(stretch: Stretch, lowest: Sample, other: Sample, test: int, fall: f
     """
     if stretch.problem.is_lost(test, lowest.z, stretch.frame.scale):
         return abs(float(lowest.tests[test]))
+    if stretch.problem.kind not in EXACT:  # trajectories and meshes have errors of their own, which are not rounding
+        return NOTHING_LEFT * fall
     return max(NOTHING_LEFT * fall, float(rounding(stretch, lowest, other)[test]))
 
 
