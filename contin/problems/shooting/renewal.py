@@ -12,6 +12,7 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.orbits import ends
+from contin.problems.shooting.at_surface import comes_to_surface
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import onto_section, quietest, rebased, room
 from contin.problems.shooting.rest import at_rest
@@ -135,7 +136,8 @@ def _ending(problem: ShootingProblem, origin: Sample, before: Sample | None, fra
     resting = at_rest(problem, origin, before, frame)  # amplitude zero may lie between the two
     connected = None if resting is not None else ends.connected(problem, origin, before, frame)
     if connected is None:
-        return resting
+        reached = None if resting is not None else comes_to_surface(problem, origin, frame)
+        return resting if reached is None else Renewal(frame.scale, origin, before, None, reached)
     return Renewal(frame.scale, origin, before, None, connected.end, connected.last, connected.point)
 
 
