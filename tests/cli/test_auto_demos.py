@@ -226,6 +226,27 @@ def test_an_orbit_flip_in_an_invariant_plane(tmp_path):
     assert (point["values"]["mu"], point["values"]["m"]) == pytest.approx((0, 0), abs=1e-8)
 
 
+@pytest.mark.long
+def test_the_optimum_of_three_parameters_is_stationary_by_shooting(tmp_path):
+    """obv: the manual names three extrema in one parameter; in three, the cost's gradient vanishes."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "obv.yaml"), "--quiet", "--json", str(out))
+    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    assert sum(point["type"] == "EX" for point in branches["one"]["points"]) == 3
+    (best,) = [point["values"] for point in branches["three"]["points"] if point["type"] == "EX"]
+
+    def cost(l1, l2, l3):
+        rates = lambda t, y: [y[1], -l1 * exp(y[0] + l2 * y[0] ** 2 + l3 * y[0] ** 4), (y[0] - 1) ** 2]  # noqa: E731
+        shot = lambda v: solve_ivp(rates, (0, 1), [0, v, 0], "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]  # noqa: E731
+        slope = brentq(lambda v: shot(v)[0], 0.97 * best["v.start"], 1.03 * best["v.start"], xtol=1e-13)
+        return shot(slope)[2] + (l1 * l1 + l2 * l2 + l3 * l3) / 10
+
+    place = np.array([best["l1"], best["l2"], best["l3"]])
+    assert cost(*place) == pytest.approx(best["cost"], abs=1e-10)
+    for step in 1e-3 * np.eye(3):
+        assert abs(cost(*(place + step)) - cost(*(place - step))) / 2e-3 < 1e-6
+
+
 def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so(tmp_path):
     """lor: the orbit closes, and has the multiplier -1, by Dormand and Prince's method."""
     out = tmp_path / "out.json"
