@@ -57,7 +57,6 @@ def connection(
     reversor : images of states under a reflection R with f(R u) = -R f(u), formulas such as {"v": "-v"}. The orbits are
         then those that R maps onto themselves; of them half is solved for. They persist in one parameter where the
         unstable manifold and the fixed space of R have dimensions with sum n, and need two where it is n - 1.
-
     pulses : from a labelled point of a curve of homoclinic orbits (`origin`): orbits that make so many turns before
         they return, by Lin's method.
 

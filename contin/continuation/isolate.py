@@ -231,9 +231,14 @@ def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:
     outcome: Outcome = NOTHING
     with contained(errors.append):
         outcome = stretch.problem.verify(type_, near, stretch.frame)
+    return unverified(type_, errors[0]) if errors else _placed(stretch, outcome)
+
+
+def _placed(stretch: Stretch, outcome: Outcome) -> Outcome:
+    """The outcome, but for a point whose error is a part of the range: that is no place."""
     if isinstance(outcome, Verified) and not outcome.error < UNPLACED * float(stretch.frame.scale[-1]):
-        return unverified(type_, f"its place is known to {outcome.error:.1e} only, in a range of this width")
-    return unverified(type_, errors[0]) if errors else outcome
+        return unverified(outcome.type, f"its place is known to {outcome.error:.1e} only, in a range of this width")
+    return outcome
 
 
 def together_between(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
@@ -242,7 +247,7 @@ def together_between(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
     items: list[Outcome] = []
     with contained(errors.append):
         items = list(stretch.problem.verify_compound(a, b, stretch.frame))
-    return [Rejected(f"not verified: {errors[0]}", suspect=True)] if errors else items
+    return [Rejected(f"not verified: {errors[0]}", suspect=True)] if errors else [_placed(stretch, i) for i in items]
 
 
 def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | Rejected | Nothing]:

@@ -19,14 +19,16 @@ TINY_STATE: Final = 1e-6  # a state this small beside the others may be zero wit
 def state_sizes(family: FamilyOfOrbits, profile: Profile) -> Array:
     """(n,) the largest modulus of every state, an angle's period / (2 pi).
 
-    A state that is zero, up to rounding, is taken to be as large as the coupling to the other states makes it.
+    A state that is zero, up to rounding, is taken to be as large as the coupling to the other states makes it; where
+    nothing is coupled to it, as the largest of them: a mere 1 would depend on the units.
     """
     largest = np.abs(profile.u).max(axis=0)
     periods = family.state_periods
     largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
     small = largest <= TINY_STATE * float(largest.max())
     if small.any():
-        usual, _ = filled(np.where(small, 0.0, largest), _coupling(family, profile))
+        usual, guessed = filled(np.where(small, 0.0, largest), _coupling(family, profile))
+        usual = np.where(guessed, largest.max() or usual, usual)
         largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
     return np.asarray(largest)
 

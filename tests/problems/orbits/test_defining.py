@@ -90,3 +90,14 @@ def test_no_special_orbit_is_found_where_there_is_none():
         problem, z, scale = special("BPC", 0.01)
     assert defining.solve_special(problem, "BPC", z, scale) is None
     assert defining.solve_special(problem, "PD", z, scale) is None
+
+
+@pytest.mark.parametrize("type_", ["LPC", "PD"])
+def test_a_correction_that_fails_gives_no_step_made_of_what_the_one_before_left(type_):
+    problem, z, scale = special(type_, 0.003)
+    curve = HeldCurve.of(type_, problem)
+    metric = curve.join(scale, float(scale[-1]), 1.0)
+    x = curve.join(z, float(z[-1]), 0.0)
+    assert curve.step(x, metric) is not None
+    x[: curve.nodes(x)] = np.nan
+    assert curve.step(x, metric) is None

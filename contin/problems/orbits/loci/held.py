@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.problem import Failure
 from contin.machine import elementary
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.curve import OrbitCurve
@@ -45,7 +46,7 @@ class HeldCurve(OrbitCurve):
 
         Cost: one condensation of the intervals, and second derivatives at every Gauss point.
         """
-        if isinstance(self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf), str):
+        if isinstance(self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf), Failure):
             return None
         memory, size = self._work(z, scale).memory, 1 + self.extra
         kept = slice(2, 2 + size)
