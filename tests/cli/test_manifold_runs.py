@@ -50,3 +50,24 @@ def test_a_manifold_that_is_none_is_skipped(tmp_path, capsys):
     path = run_file(tmp_path, node, continuations=[LINE, CURVE], outputs={"json": "out.json"})
     assert call("run", path) == 1
     assert "wu skipped: manifold: there is no unstable direction" in capsys.readouterr().out
+
+
+def test_a_run_grows_the_tangle_of_a_forced_flow(tmp_path):
+    """Duffing's double well at rest: the energy y^2/2 - x^2/2 + x^4/4 is 0 on the curve, a is small."""
+    forced = {
+        "contin": 1, "name": "duffing", "states": {"x": 0.0, "y": 0.0}, "parameters": {"a": 0.0},
+        "forcing": {"period": "2*pi"}, "equations": {"x": "y", "y": "x - x^3 + a*cos(t)"}, "starts": {"rest": {"x": 0}},
+    }  # fmt: skip
+    line = {"name": "line", "as": "orbit", "start": "rest", "parameter": "a", "range": [0, 1e-3]}
+    line |= {"values": {"a": [1e-6]}}
+    curve = {"name": "wu", "as": "manifold", "of": "line.UZ1", "length": 2}
+    outputs = {"json": "out.json", "plot": "out.png", "save": "out.contin"}
+    path = run_file(tmp_path, forced, continuations=[line, curve], outputs=outputs)
+    assert call("run", path, "--quiet") == 0
+    _, unstable = results(tmp_path / "out.json")["branches"]
+    assert sorted(unstable["columns"]) == ["orbit", "s", "x", "y"]
+    x, y = unstable["columns"]["x"], unstable["columns"]["y"]
+    energy = [v * v / 2 - u * u / 2 + u**4 / 4 for u, v in zip(x, y, strict=True)]
+    assert energy == pytest.approx([0] * len(x), abs=1e-5)
+    assert max(x) > 1
+    assert call("export", tmp_path / "out.contin", tmp_path / "again.json") == 0

@@ -1,16 +1,16 @@
-"""A one-dimensional manifold of a fixed point of a map, grown by arclength.
+"""A one-dimensional manifold of a fixed point of a map or of a forced flow's stroboscopic map, grown by arclength.
 
 With v the eigenvector and m the multiplier (of F^2 where that of F is negative), the points u0 + d v |m|^r, r in
 [0, 1), make a fundamental piece, and its k-th image is the next piece but k: a point of the curve has one coordinate
 k + r. Steps in it are halved until successive chords turn by less than ANGLE and angle times length stays below BEND of
 the length (Hobson, J. Comput. Phys. 104 (1993) 14); chords of SHARP of the length may turn at will. A stable manifold
-is grown by the inverse, solved for by Newton's method.
+is grown by the inverse: of formulas solved for by Newton's method, of a flow its trajectories back in time.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -40,13 +40,20 @@ class Grown:
     trouble: str
 
 
+class Mapping(Protocol):
+    """A map of states and its inverse: None where there is no image."""
+
+    def image(self, u: Array) -> Array | None: ...
+
+    def preimage(self, u: Array) -> Array | None: ...
+
+
 @dataclass(frozen=True, eq=False)
 class MapCurve:
-    """The manifold of the fixed point u0 of a map (of an iterate: `system` is that)."""
+    """The manifold of the fixed point u0 of a map."""
 
-    system: CompiledSystem
+    mapping: Mapping
     u0: Array
-    p: Array
     space: Eigenspace
     length: float
     stable: bool
@@ -58,12 +65,13 @@ class MapCurve:
         growth = elementary.square(multiplier) if twice else abs(multiplier)
         growth = 1.0 / growth if self.stable else growth
         at, d, v = 0.0, DELTA * self.length, sense * self.space.basis[:, 0]
+        moved = self.mapping.preimage if self.stable else self.mapping.image
 
         def point(x: float) -> Array | None:
             k = int(np.floor(x))
             u: Array | None = self.u0 + d * float(elementary.pow(growth, x - k)) * v
             for _ in range(k * (2 if twice else 1)):
-                u = None if u is None else self._next(u)
+                u = None if u is None else moved(u)
             return u
 
         points, lengths, step, trouble = [self.u0 + d * v], [d], 0.1, ""
@@ -91,11 +99,21 @@ class MapCurve:
             trouble = f"it took {MOST} points"
         return Grown(np.array(lengths), np.array(points), trouble)
 
-    def _next(self, u: Array) -> Array | None:
-        """The image of a state, or its pre-image."""
-        if not self.stable:
-            image: Array = np.asarray(self.system.value(u, self.p))
-            return image if np.all(np.isfinite(image)) else None
+
+@dataclass(frozen=True, eq=False)
+class MapOfFormulas:
+    """A model's map at p beside its fixed point u0; `size` is a length to which pre-images are relative."""
+
+    system: CompiledSystem
+    u0: Array
+    p: Array
+    size: float
+
+    def image(self, u: Array) -> Array | None:
+        image: Array = np.asarray(self.system.value(u, self.p))
+        return image if np.all(np.isfinite(image)) else None
+
+    def preimage(self, u: Array) -> Array | None:
         n = len(u)
         x = self.u0 + np.linalg.solve(self._linear, u - self.u0)
         for _ in range(NEWTON):
@@ -107,7 +125,7 @@ class MapCurve:
             x = x + step
             if not np.all(np.isfinite(x)):
                 return None
-            if float(np.linalg.norm(step)) <= 1e-13 * max(float(np.linalg.norm(x)), DELTA * self.length):
+            if float(np.linalg.norm(step)) <= 1e-13 * max(float(np.linalg.norm(x)), DELTA * self.size):
                 return np.asarray(x)
         return None
 

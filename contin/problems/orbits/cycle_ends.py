@@ -95,20 +95,20 @@ class Cycle:
         """The real multipliers outside (inside) the unit circle; InputError where one is complex or neutral."""
         chosen = []
         for value in self.multipliers:
-            size = float(elementary.log(max(abs(value), 1e-300)))
+            size = _logarithm(value)
             if abs(size) < NEUTRAL:
                 raise InputError(f"a multiplier of the cycle, {value:.6g}, is neutral: it has no hyperbolic manifolds")
-            if (size > 0.0) is not unstable:
-                continue
-            if abs(size) > STRONGEST:
-                raise InputError(f"a multiplier of the cycle, {value:.3g}, is so strong that rounding hides its mode")
-            if abs(value.imag) > 1e-9 * abs(value):
-                raise InputError(
-                    f"the cycle has complex multipliers ({value:.6g}), whose adjoint modes would be projected out: "
-                    "only real ones are"
-                )
-            chosen.append(float(value.real))
+            if (size > 0.0) is unstable:
+                chosen.append(_real(value))
         return chosen
+
+    def strongest(self, unstable: bool) -> float:
+        """The real multiplier farthest outside (inside) the unit circle; InputError where there is none."""
+        sign = 1.0 if unstable else -1.0
+        value = max(self.multipliers, key=lambda m: sign * _logarithm(m), default=1.0 + 0j)
+        if sign * _logarithm(value) < NEUTRAL:
+            raise InputError(f"the cycle has no {'unstable' if unstable else 'stable'} multiplier besides 1")
+        return _real(value)
 
     def adjoint(self, multiplier: float, times: Array) -> Array:
         """w(t) of w' = -A^T w + sigma w with |w(0)| = 1, at scaled times, (len(times), n)."""
@@ -149,3 +149,19 @@ class Cycle:
         u[-1] = u[0]
         fresh = Profile(self.profile.m, u, self.profile.period, self.profile.h, self.profile.parameter)
         return Cycle(self.system, self.p, fresh)
+
+
+def _logarithm(multiplier: complex) -> float:
+    return float(elementary.log(max(abs(multiplier), 1e-300)))
+
+
+def _real(multiplier: complex) -> float:
+    """A multiplier whose mode is resolved and real."""
+    if abs(_logarithm(multiplier)) > STRONGEST:
+        raise InputError(f"a multiplier of the cycle, {multiplier:.3g}, is so strong that rounding hides its mode")
+    if abs(multiplier.imag) > 1e-9 * abs(multiplier):
+        raise InputError(
+            f"the cycle has complex multipliers ({multiplier:.6g}), whose adjoint modes would be projected out: "
+            "only real ones are"
+        )
+    return float(multiplier.real)
