@@ -109,6 +109,10 @@ def emit(translated: Translated, target: BuildTarget) -> Emitted:
     options.loop_vectorization = True
     passes = llvm.create_pass_builder(machine, options)
     passes.getModulePassManager().run(module, passes)
+    for function in module.functions:
+        if function.name == entry_symbol(translated.name):  # a block of 1,000 loads: to schedule them takes seconds
+            for attribute in ("noinline", "optnone"):
+                function.add_function_attribute(attribute)
     needs = tuple(sorted(f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")))
     return Emitted(translated.name, needs, machine.emit_object(module))
 
