@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import brentq
 
 from tests.cli.calls import call
@@ -50,7 +50,23 @@ def trace_of_plp(rho: float) -> float:
     return float(-1 - rho * (a * d - s * a * (1 + 0.2 * s)) / d**2 - 0.2 - rho * s / d)
 
 
+def turning_of_wav(p3: float) -> float:
+    """det(J - k^2 D + i c k) = 0, k^2 = tr J/(1 + beta), of the enzyme's state with u near 27."""
+
+    def off(u: float) -> float:
+        v = p3 - (145 - u) / 0.2
+        return 145 - u - 210 * v / (3.4 + v) * u / (1 + u + 0.023 * u * u)
+
+    u = brentq(off, 25.0, 30.0, xtol=1e-14)
+    v, d = p3 - (145 - u) / 0.2, 1 + u + 0.023 * u * u
+    r1, r2 = 210 * v / (3.4 + v) * (1 - 0.023 * u * u) / d**2, 210 * 3.4 / (3.4 + v) ** 2 * u / d
+    j = -3 * np.array([[r1 + 1, r2], [r1, r2 + 0.2]])
+    square = np.trace(j) / 6
+    return float((j[0, 0] - square) * (j[1, 1] - 5 * square) - j[0, 1] * j[1, 0] - 0.05**2 * square)
+
+
 GRAZED = (2 + sqrt(8.5)) / 6
+A_OF_FHN = sqrt(1 - 0.8 / 9) * (1 - 0.8 + 0.8 * (1 - 0.8 / 9) / 3)  # a = x + b (x^3/3 - x)
 OPS = brentq(turning_of_ops, 0.8, 1.0)
 WANTED = {
     "cusp": {"line.LP": ("mu", [-FOLD, FOLD]), "folds.CP": ("mu", [0])},
@@ -102,6 +118,16 @@ WANTED = {
     "pen": {"turns.PD": ("I", [0.17916378]), "doubled.HOM": ("I", [0.17362879276])},
     # where the folds of cycles turn in p2 two families cross, and there the curve in three parameters begins
     "abcb": {"folds.EX": ("p2", [0.98218259, 1.26865801]), "across.BPC": ("p2", [0.98218259])},
+    # x^2 = 1 - b/c^2 where the trace is zero; x^2 = (1 - b)/b where l1 is, of x" + (c (x^2 - 1) + b/c) x' + x - a - b x
+    # + b x^3/3 = 0, as 2 c g' = 4 b c x^2
+    "fhn": {"rest.HB": ("a", [-A_OF_FHN, A_OF_FHN]), "turning.GH": ("a", [-2 / 15, 2 / 15])},
+    # u = sqrt(15/8)/cosh(x/sqrt 8)^2 at P = -5/2, and its image
+    "rev": {"even.UZ": ("u.min", [-sqrt(15 / 8)])},
+    # q = 2 k^2/cosh(k x)^2, k^2 = 3/4 (2 b + 1), where a = 3/5 (2 b + 1)(b - 2): Champneys and Groves (1997)
+    "kdv": {"wave.UZ": ("q.max", [1.5 + 3 * (3 + sqrt(65)) / 4])},
+    "ph1": {"rest.HB": ("rho", [brentq(trace_of_plp, 3.2, 3.8), brentq(trace_of_plp, 4.3, 5.0)])},
+    # a wave of speed c: frequency^2 = trace/(1 + beta), and the determinant
+    "wav": {"rest.HB": ("p3", [brentq(turning_of_wav, 635, 636)])},
 }  # fmt: skip
 
 
@@ -294,3 +320,98 @@ def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end(tmp_path
 def test_connections_between_two_saddles_are_called_heteroclinic(capsys):
     call("run", str(FOLDER / "stw.yaml"))
     assert "wave  locus of heteroclinic orbits in lam and c" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_homoclinic_orbits_of_a_circuit_are_where_the_manual_has_them(tmp_path):
+    """cir: what AUTO prints (on 35 intervals), and what each label says of the eigenvalues at rest."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "cir.yaml"), "--quiet", "--json", str(out))
+    (branch,) = json.loads(out.read_text())["branches"]
+    at = {p["type"]: (p["values"]["nu"], p["values"]["beta"]) for p in branch["points"]}
+    printed = {"DRS": (-0.7590583, 0.7428734), "NSF": (-0.7204001, 0.5912315), "NDS": (-0.7256925, 0.4535645)}
+    for type_, place in printed.items():
+        assert at[type_] == pytest.approx(place, abs=2e-5), type_
+    assert at["SH"][1] == pytest.approx(0, abs=1e-6)
+
+    def characteristic(nu, beta):
+        return np.poly([[-(beta + nu) / 0.6, beta / 0.6, 0], [beta, -beta, -1], [0, 1, 0]])
+
+    _, a, b, c = characteristic(*at["DRS"])  # a double root
+    assert a * a * b * b - 4 * b**3 - 4 * a**3 * c - 27 * c * c + 18 * a * b * c == pytest.approx(0, abs=1e-7)
+    _, a, b, c = characteristic(*at["NSF"])  # roots -s +- i w and s, whose sum is -s: s = a
+    assert 2 * a**3 + a * b + c == pytest.approx(0, abs=1e-7)
+    assert characteristic(*at["NDS"])[1] == pytest.approx(0, abs=1e-7)  # the sum of all three
+
+
+def test_antisymmetric_orbits_are_those_of_another_solver(tmp_path):
+    """rev at P = 0, by scipy's collocation: from the unstable eigenspace of u'''' = u^3 - u to u = u'' = 0."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "rev.yaml"), "--quiet", "--orbits", "--json", str(out))
+    odd = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}["odd"]
+    point = next(p for p in odd["points"] if abs(p["values"]["P"]) < 1e-9)
+    orbit = {name: np.array(values) for name, values in point["orbit"].items()}
+    matrix = np.array([[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0.0]])
+    values, vectors = np.linalg.eig(matrix.T)
+    away = vectors[:, np.argmin(values.real)]  # of a stable eigenvalue: no part along it
+    middle = int(np.argmax(np.abs(orbit["v"])))
+    t, guess = orbit["t"][: middle + 1], np.array([orbit[name][: middle + 1] for name in "uvwy"])
+    keep = np.append(np.diff(t) > 0, True)
+    ends = lambda a, b: [away.real @ a, away.imag @ a, b[0], b[2]]  # noqa: E731
+    found = solve_bvp(lambda _, z: [z[1], z[2], z[3], z[0] ** 3 - z[0]], ends, t[keep], guess[:, keep], tol=1e-6)
+    assert found.success
+    assert abs(found.y[1, -1]) == pytest.approx(abs(point["values"]["v.min"]), rel=1e-6)
+
+
+def test_a_driven_cell_oscillates_where_the_divergence_vanishes_on_average(tmp_path):
+    """ffn: at a Neimark-Sacker point of two equations det M = 1; the response by Dormand and Prince's method."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "ffn.yaml"), "--quiet", "--orbits", "--json", str(out))
+    points = [p for branch in json.loads(out.read_text())["branches"] for p in branch["points"] if p["type"] == "NS"]
+    assert len(points) == 2  # as the amplitude grows, and as a does
+    for point in points:
+        amp, a = point["values"]["amp"], point["values"]["a"]
+
+        def rates(t, y, amp=amp, a=a):
+            x, y, _ = y
+            growth = 3 * (1 - x * x) - 0.8 / 3
+            return [3 * (x - x**3 / 3 + y - amp * cos(10 * t)), -(x - a + 0.8 * y) / 3, growth]
+
+        start = [point["orbit"]["x"][0], point["orbit"]["y"][0], 0.0]
+        end = solve_ivp(rates, (0, pi / 5), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        assert end == pytest.approx(start, abs=1e-6)
+
+
+def test_a_simulation_settles_where_prey_and_predators_rest(tmp_path):
+    """ivp: (1/3, 2) where nothing is harvested."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "ivp.yaml"), "--quiet", "--json", str(out))
+    (simulation,) = json.loads(out.read_text())["simulations"]
+    assert [simulation["columns"][name][-1] for name in "uv"] == pytest.approx([1 / 3, 2], abs=1e-5)
+
+
+def test_a_cycle_of_the_enzyme_has_the_period_of_a_simulation(tmp_path):
+    """ph1 at rho = 4, where it attracts."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "ph1.yaml"), "--quiet", "--json", str(out))
+    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    (point,) = [p for p in branches["cycles"]["points"] if p["type"] == "UZ"]
+
+    def rates(_, y):
+        eaten = 4 * y[0] * y[1] / (1 + y[0] + y[0] ** 2 / 10)
+        return [110 - y[0] - eaten, (500 - y[1]) / 5 - eaten]
+
+    up = lambda t, y: y[0] - 20  # noqa: E731
+    up.direction = 1
+    found = solve_ivp(rates, (0, 120), [20, 100], "LSODA", events=up, rtol=1e-10, atol=1e-10)
+    assert np.diff(found.t_events[0])[-3:] == pytest.approx(point["values"]["period"], rel=1e-7)
+
+
+@pytest.mark.parametrize("name", ["p2c", "pcl"])
+def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name, tmp_path):
+    """AUTO's manual has rho = 24.0579 at sigma = 10 and beta = 8/3 (demo pcl)."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))
+    heart = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}["heart"]
+    (point,) = [p for p in heart["points"] if p["type"] == "UZ"]
+    assert point["values"]["rho"] == pytest.approx(24.0579, abs=5e-5)
