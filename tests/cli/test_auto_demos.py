@@ -234,7 +234,9 @@ def test_inclination_flips_are_where_the_manual_has_them(tmp_path):
     """kpr: AUTO prints (lambda, k) = (-1.80166, -0.200266) and (-1.56876, -0.439547), from lambda = -1.851185."""
     out = tmp_path / "out.json"
     call("run", str(FOLDER / "kpr.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    result = json.loads(out.read_text())
+    assert result["notes"] == []
+    branches = {branch["name"]: branch for branch in result["branches"]}
     (start,) = branches["cycles"]["points"]
     assert start["values"]["lambda"] == pytest.approx(-1.851185, abs=6e-7)
     flips = sorted(p["values"]["k"] for p in branches["loop"]["points"] if p["type"] == "IFS")

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
 from contin.continuation.settings import Settings
-from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
+from contin.problems.orbits.homoclinic import flips
+from contin.problems.orbits.homoclinic.subspaces import leading
 from contin.problems.orbits.saddle_node import centrality
 from contin.problems.orbits.saddles import extent_of
 from contin.problems.orbits.zero_of_test import zero_of_test
@@ -49,12 +50,11 @@ def tests_at(
     ends = curve.equilibria(z)
     matrices = [curve.scaled_matrix(u, z, sizes) for u in ends]
     n = curve.n
-    leaving, arriving = curve.offsets(z, sizes)
     values = np.linalg.eigvals(matrices[0]).astype(complex)
     values = values[np.lexsort((-values.imag, -values.real))]
     if curve.node:
         tests = np.full(len(tests_of_connections()), np.nan)
-        tests[1] = centrality(matrices[0], leaving, arriving, extent_of(curve.profile(z), sizes))
+        tests[1] = centrality(matrices[0], *curve.offsets(z, sizes), extent_of(curve.profile(z), sizes))
         return tests, values
     if curve.reversor is not None:  # the reversor maps stable directions to unstable ones: no resonance, no flips
         slow_out = leading(matrices[0], n - curve.stable_count, False)
@@ -71,19 +71,18 @@ def tests_at(
         return tests, values
     tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
     tests[6:12] = spectral_tests(values if curve.saddles == 1 else np.empty(0, complex), leave, arrive)
-    memory = curve.gauge.vectors
+    memory, profile = curve.gauge.vectors, curve.profile(z)
+    away, home = flips.ends_of_orbit(profile, curve.termini(z), sizes)
     first = last = None  # of the adjoint solution where it is accurate
     if adjoint is not None and curve.saddles == 1:
-        turned = _same_sense(memory, adjoint)
         least = ABOVE_ROUNDING * (NOT_AS_FAR if curve.doubting else 1.0)
-        sizes_of_rows = np.linalg.norm(turned, axis=1)
-        first, last = turned[sizes_of_rows > least * float(sizes_of_rows.max())][[0, -1]]
+        first, last = flips.ends_of_adjoint(profile, _same_sense(memory, adjoint), least)
     if arrive > 1:  # with one direction, none is stronger
-        tests[2] = _component(memory, "OFS", slow_in, slow_in.left, arriving)
-        tests[4] = _component(memory, "IFS", slow_in, slow_in.right, first)
+        tests[2] = flips.component(memory, "OFS", slow_in, slow_in.left, home)
+        tests[4] = flips.component(memory, "IFS", slow_in, slow_in.right, first)
     if leave > 1:
-        tests[3] = _component(memory, "OFU", slow_out, slow_out.left, leaving)
-        tests[5] = _component(memory, "IFU", slow_out, slow_out.right, last)
+        tests[3] = flips.component(memory, "OFU", slow_out, slow_out.left, away)
+        tests[5] = flips.component(memory, "IFU", slow_out, slow_out.right, last)
     return tests, values
 
 
@@ -120,18 +119,6 @@ def _same_sense(memory: dict[str, Array], adjoint: Array) -> Array:
             adjoint = -adjoint
     memory["adjoint"] = adjoint
     return adjoint
-
-
-def _component(memory: dict[str, Array], name: str, slow: Leading, direction: Array, vector: Array | None) -> float:
-    """Part of a unit vector along a leading direction, whose sense is kept; none (NaN) where the direction turns."""
-    if vector is None or not slow.is_real:
-        memory.pop(name, None)
-        return float("nan")
-    unit = direction / float(np.linalg.norm(direction))
-    unit = aligned(unit, memory.get(name))
-    memory[name] = unit
-    length = float(np.linalg.norm(vector))
-    return float(unit @ vector) / length if length > 0.0 else 1.0
 
 
 def explain(problem: ConnectionProblem, a: Sample, b: Sample) -> tuple[str, ...] | None:

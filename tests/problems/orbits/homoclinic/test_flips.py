@@ -12,7 +12,10 @@ import contin
 from contin import api
 from contin.model.model import Model
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.flips import component, ends_of_orbit
 from contin.problems.orbits.homoclinic.solved import solved_connection
+from contin.problems.orbits.homoclinic.subspaces import Leading
+from contin.problems.orbits.layout import Profile, node_times
 from contin.problems.orbits.problem import OrbitProblem
 
 PARAMETERS = {"a": 0.25, "b": 1, "c": -2, "alpha": 0.5, "beta": 1, "mu": 0, "m": 1e-4}
@@ -118,3 +121,16 @@ def test_in_reversed_time_the_flip_is_on_the_unstable_side():
     loops = contin.continuation(seed, plane, {"m": (-0.5, 0.5), "alpha": (0.4, 1.5)})
     assert [p.type for p in loops.points] == ["IFU"]
     assert loops["IFU1"].values["alpha"] == pytest.approx(1.230857, abs=1e-6)
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("length", [4.0, 9.0, 25.0])
+def test_the_test_of_a_flip_does_not_depend_on_where_the_orbit_is_cut(length):
+    """x = (c e^-|t|, e^-3|t|), largest at t = 0: the test is c / sqrt(1 + c^2) (the cosine is 1 but for 1e-18)."""
+    c, h = 1e-3, np.full(20, 0.05)
+    times = length * (2.0 * node_times(h, 4) - 1.0)
+    decay = np.exp(-np.abs(times))
+    profile = Profile(4, np.stack([c * decay, decay * decay * decay], axis=1), 2 * length, h, 0.0)
+    _, home = ends_of_orbit(profile, (np.zeros(2), np.zeros(2)), np.ones(2))
+    slow = Leading(-1.0 + 0j, np.array([1.0, 0.0]), np.array([1.0, 0.0]))
+    assert component({}, "OFS", slow, slow.left, home) == pytest.approx(c / np.sqrt(1 + c * c), rel=1e-12)
