@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from contin.errors import InputError, NotFiniteError
 from contin.kernels.piecewise import flight as kernel
 from contin.kernels.piecewise.flow import Flow, new_memory
 from contin.model.evaluate import evaluate
+from contin.simulate.chunks import CHUNK, Watched, in_chunks, own_parameters
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section, plane_of
 
@@ -22,14 +22,9 @@ if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
 RTOL = 1e-10
-CHUNK = 20_000  # steps between two looks at Ctrl-C
 BUDGET = 5_000_000
 STEPS_A_PERIOD = 16  # at least, where formulas may switch with the time, which no error estimate sees
 STEPS_A_FLIGHT = 64  # the same without a period
-STIFF_CHUNKS = 5  # so many times in succession the step is limited by stability, not by accuracy: the model is stiff
-STABLE = 2.0  # the step times the fastest decay rate, beyond which that is so (DOP853 is stable to about 6)
-SURE, HOPELESS = 10 * CHUNK, 100.0  # after so many steps, so many times the budget still needed: it is not begun
-LONG = 20 * CHUNK  # steps; what takes less is not worth another method
 CROSSINGS = 4096  # that many of the last crossings are kept
 DONE, ESCAPED, SLIDING, STOPPED = "done", "escaped", "sliding", "stopped"
 
@@ -125,9 +120,9 @@ def fly(
     sensitive = None if columns is None else np.array([p[k - n] if n <= k < n + system.m else 0.0 for k in columns])
     errors = with_variations(allowed, SMALLER * rtol, variations, sensitive)
     flown = partial(kernel.fly, flow, memory, y, controls, errors, boxes, CHUNK)
-    status, stiff, left = _in_chunks(
+    status, stiff, left = in_chunks(
         lambda started: flown(started, wanted, samples, found, ring, counts),
-        lambda: is_stiff(system, y[:n], memory.p, float(controls[2])), controls, counts, budget,
+        Watched(system, y[:n], memory.p, errors[:n]), controls, counts, budget,
     )  # fmt: skip
     crossed_last = counts[4] > 0 and ring[(counts[4] - 1) % CROSSINGS, 0] >= controls[0]
     if status == kernel.ESCAPED and not carried and not crossed_last:
@@ -142,38 +137,6 @@ def fly(
         n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y, ring[order], crossed,
         int(counts[5]), int(counts[2]), outcome, why,
     )  # fmt: skip
-
-
-def _in_chunks(
-    flown: Callable[[bool], int], looks_stiff: Callable[[], bool], controls: Array, counts: NDArray[np.int64],
-    budget: int,
-) -> tuple[int, bool, float]:  # fmt: skip
-    """Chunks of steps until the kernel is done or there is no hope that it will be.
-
-    The kernel's status, whether the flow is stiff, and how many steps would still be needed.
-    """
-    started, stiff, left = False, 0, 0.0
-    while True:
-        status = flown(started)
-        started = True
-        if status != kernel.STEPS or counts[2] > budget:
-            break
-        left = (float(controls[1]) - float(controls[0])) / max(float(controls[2]), 1e-300)
-        if counts[2] > SURE and left > HOPELESS * budget:
-            break
-        stiff = stiff + 1 if left > LONG and looks_stiff() else 0
-        if stiff >= STIFF_CHUNKS:
-            break
-    return status, stiff >= STIFF_CHUNKS, left
-
-
-def is_stiff(system: CompiledSystem, u: Array, p: Array, h: float) -> bool:
-    """True where the step times the fastest decay rate is near the limit of the method's stability."""
-    full = np.append(p[: system.m], p[-1]) if system.is_forced else p[: system.m]
-    jacobian = np.asarray(system.jacobian(u, np.ascontiguousarray(full))[1])[:, : system.n]
-    if not np.all(np.isfinite(jacobian)):
-        return False
-    return bool(-h * float(np.linalg.eigvals(jacobian).real.min()) > STABLE)
 
 
 def _leave(
@@ -233,8 +196,7 @@ def _outcome(
             f"on {surface} both formulas lead back to the surface: the solution slides along it, which is not "
             "integrated (sliding motion needs Filippov's convention, out of scope)"
         )
-    p = np.append(memory.p[: system.m], memory.p[-1]) if system.is_forced else memory.p[: system.m]
-    explained = system.explain(y[:n], p)
+    explained = system.explain(y[:n], own_parameters(system, memory.p))
     if explained:
         return STOPPED, str(explained)
     if status == kernel.STEPS and counts[2] <= budget:

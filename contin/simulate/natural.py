@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 REMEMBERED: Final = 256  # values of the parameters
 ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
 SMALLER: Final = 1e-2  # absolute tolerances, in natural sizes, beside relative ones
+IN_A_STEP: Final = 100.0  # roundings of the terms of an equation in the natural time
 COUPLED_UP_TO: Final = 500  # states of a function, up to which tolerances ask for its eigenvalues
 BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
 SWEEPS: Final = 10  # of balancing
@@ -89,6 +90,21 @@ def absolute_tolerances(
         usual = sizes_of(system.model, tuple(float(v) for v in p))[1]
         return np.asarray(relative * np.maximum(usual, np.abs(u)))
     return natural_metric(system, np.asarray(u, dtype=float), np.asarray(p, dtype=float)).tolerances(relative)
+
+
+def above_rounding(system: System, allowed: Array, u: Array, p: Array) -> Array:
+    """Absolute tolerances (n,) of the states, none below the rounding errors of the equations at (u, p).
+
+    What cancels in f_i, |f_u| |u| + |f_p| |p|, leaves a rounding error of some eps of it, which moves u_i by so much in
+    the natural time: no step is short enough for a smaller tolerance (a state that is zero, as on an invariant plane,
+    where the solution leaves a start near an equilibrium and its terms become large).
+    """
+    jacobian = np.abs(np.nan_to_num(system.jacobian(u, p)[1], posinf=0.0, neginf=0.0))
+    rate = float(jacobian[:, : len(u)].max(initial=0.0))
+    if not rate > 0.0:
+        return allowed
+    terms = jacobian @ np.abs(np.concatenate([u, p]))
+    return np.maximum(allowed, IN_A_STEP * np.finfo(float).eps * terms / rate)
 
 
 def with_variations(

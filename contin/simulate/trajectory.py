@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.errors import NotFiniteError
 from contin.kernels import runge_kutta as kernel
 from contin.simulate.flight import check_flight, fly
-from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
+from contin.simulate.natural import SMALLER, above_rounding, absolute_tolerances, with_variations
 from contin.simulate.section import Section, plane_of
 
 if TYPE_CHECKING:
@@ -79,8 +79,12 @@ def integrate(
             system.value_address, system.jacobian_address, system.is_forced, y, full, controls,
             with_variations(allowed, SMALLER * rtol, variations), CHUNK, plane, wanted, samples, found, counts, *memory,
         )  # fmt: skip
-        if status != kernel.STEPS or counts[2] > budget:
+        if status not in (kernel.STEPS, kernel.SMALL) or counts[2] > budget:
             break
+        raised = above_rounding(system, allowed, y[:n], full)
+        if status == kernel.SMALL and np.array_equal(raised, allowed):
+            break
+        allowed = raised
     if status in (kernel.SMALL, kernel.NOT_FINITE, kernel.STEPS):
         why = system.explain(y[:n], full) or (
             "the step became too small: a singularity, or a solution that escapes"
