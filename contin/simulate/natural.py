@@ -104,7 +104,7 @@ def above_rounding(system: System, allowed: Array, u: Array, p: Array) -> Array:
     if not rate > 0.0:
         return allowed
     terms = jacobian @ np.abs(np.concatenate([u, p]))
-    return np.maximum(allowed, IN_A_STEP * np.finfo(float).eps * terms / rate)
+    return np.asarray(np.maximum(allowed, IN_A_STEP * np.finfo(float).eps * terms / rate))
 
 
 def with_variations(
