@@ -31,12 +31,13 @@ class Centre:
         return substitute(expressions, {self.replaced: self.by})
 
 
-def centres(denominator: Expression, partners: Sequence[Expression]) -> Iterator[Centre]:
-    """Candidates for zeros of `denominator` that could be zeros of `partners` (factors or terms beside it) too.
+def centres(denominator: Expression, partners: Sequence[Expression], shared: int = 0) -> Iterator[Centre]:
+    """Candidates for zeros of `denominator` that could be zeros of `partners` (factors beside it) too.
+
+    shared : mask of symbols of which one must occur, beside those of the partners.
 
     Arguments of functions come first: they have no units, so "small" means something. Nothing is verified here.
     """
-    shared = 0
     for partner in partners:
         shared |= partner.mask
     seen: set[Expression] = set()

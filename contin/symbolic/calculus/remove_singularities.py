@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 
 from contin.model.expression import Expression, add, if_, mul, numeric_value, postorder, rebuild
 from contin.symbolic.calculus.arguments import regular_in_argument
@@ -16,6 +18,7 @@ from contin.symbolic.calculus.centres import LARGEST, LOCAL, Centre, centres
 from contin.symbolic.calculus.polynomials import polynomial_quotient
 from contin.symbolic.calculus.series import expand
 from contin.symbolic.calculus.series_arithmetic import NotAnalyticError, is_zero
+from contin.symbolic.calculus.signs import is_positive
 from contin.symbolic.calculus.taylor import taylor_near_zero
 
 
@@ -73,14 +76,17 @@ def _regular_sum(total: Expression) -> Expression:
     poles = [term for term in total.args if any(_denominator(f) is not None for f in _factors(term))]
     if len(poles) < 2:
         return total
+    within = {pole: set(postorder([pole])) for pole in poles}
     for pole in poles:
         for bottom in _factors(pole):
             base = _denominator(bottom)
             partners = [t for t in poles if t is not pole and base is not None and t.mask & base.mask]
             if base is None or not partners:
                 continue
-            for centre in centres(base, [f for t in partners for f in _factors(t)]):
-                group = [term for term in poles if _is_pole_at(term, centre)] if _is_zero_at(base, centre) else []
+            shared = reduce(or_, (t.mask for t in partners))
+            for centre in centres(base, (), shared):  # its own formulas: each of the poles has its turn
+                near = [t for t in poles if centre.replaced in within[t]] if _is_zero_at(base, centre) else []
+                group = [term for term in near if _is_pole_at(term, centre)] if len(near) > 1 else []
                 smooth = _smooth(add(*group), centre) if len(group) > 1 else None
                 if smooth is not None:
                     return add(*(t for t in total.args if t not in group), smooth)
@@ -107,12 +113,12 @@ def _factors(term: Expression) -> tuple[Expression, ...]:
 
 
 def _denominator(factor: Expression) -> Expression | None:
-    """The base of a negative integer power that depends on something."""
+    """The base of a negative integer power that depends on something and might vanish."""
     if factor.op != "pow" or not factor.args[0].mask or not factor.args[1].is_number:
         return None
     exponent = numeric_value(factor.args[1])
     is_integer = isinstance(exponent, Fraction) and exponent.denominator == 1
-    return factor.args[0] if is_integer and exponent < 0 else None
+    return factor.args[0] if is_integer and exponent < 0 and not is_positive(factor.args[0]) else None
 
 
 def _is_zero_at(expression: Expression, centre: Centre) -> bool:
