@@ -95,7 +95,7 @@ def _errors(jet: Jet, r: Reduction, state_error: StateError, parameter_error: fl
         ),
         "b20": quadratic_error(jet, p, q, q, state_error)
         + parameter_error * abs(float(p @ jet.form(kernel, kernel, parameter))),
-        "b30": TRUST * _b30_size(jet, r),
+        "b30": TRUST * _b30_size(jet, r) + _unseen(jet, q, b11, parameter_error),
     }  # fmt: skip
     errors["discriminant"] = (
         (2.0 * abs(b11) + errors["b11"]) * errors["b11"]
@@ -160,6 +160,15 @@ def _alignment(r: Reduction, y: Real, known: Real) -> float:
 
 def _length(r: Reduction, y: Real) -> float:
     return float(np.linalg.norm(y @ r.lifted))
+
+
+def _unseen(jet: Jet, q: Real, b11: float, parameter_error: float) -> float:
+    """b30 of a branch that, out to a state's typical size, moves the parameter by no more than its error."""
+    if jet.scale is None:
+        return 0.0
+    with np.errstate(divide="ignore"):
+        length = float(np.min(jet.scale / np.abs(q)))
+    return 6.0 * abs(b11) * parameter_error / (length * length)
 
 
 def _b30_size(jet: Jet, r: Reduction) -> float:

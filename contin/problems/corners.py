@@ -10,18 +10,19 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import NOTHING, Chunk, Frame, Jump, Outcome, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.problems.on_surface import STEP, at_height, far, on_surface
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
-BUDGET = 30
 AHEAD = 1e-2  # how far ahead of the last point (arclength) a surface is looked for
 PASSED = -1e-4  # ... and how far behind it: Newton's last step may have crossed it unseen
 BESIDE = 1e-8  # a corner this close to two samples lies between them: Newton moves them that far
 BEHIND = 1e-5  # how far behind it the branch is taken up again
 APART = 1e-6  # two surfaces crossed in one step are told apart where they are this far (arclength) from each other
+NEAREST = 1e-4  # steps that end past a surface by rounding are repeated with shorter ones down to this length
+ON_ITS_ARM = 1e-7  # (scaled) distance of a row from the curve of its own side
 VERTICAL = 1e-12  # a smaller part of the parameter in a (scaled) tangent is rounding, and so is its sign
-STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
 def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
@@ -39,7 +40,7 @@ def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fram
     gap = 4.0 * float(np.linalg.norm((b.z - a.z) / frame.scale)) + BESIDE
     crossed = (h_a * h_b <= 0.0) & (h_a != h_b)
     for k in np.argsort(~crossed, kind="stable"):  # those that change sign first
-        solved = _on_surface(problem, int(k), 0.5 * (a.z + b.z), a, frame)
+        solved = on_surface(problem, int(k), 0.5 * (a.z + b.z), a, frame)
         if solved is None:
             continue
         z, residual, error = solved
@@ -54,23 +55,39 @@ def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fram
     return None
 
 
-def one_corner_a_step(problem: EquilibriumProblem, chunk: Chunk) -> Chunk:
+def one_corner_a_step(problem: EquilibriumProblem, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to the first step that crosses two switching surfaces, with a shorter step to go on with.
+
+    Also before a row that is past a surface by rounding alone.
 
     Two folds at corners undo each other: neither the direction nor the stability shows them at the ends of such a step.
     """
     system = problem.system
-    if system.n_switches < 2 or len(chunk) < 2:
+    if not system.n_switches or len(chunk) < 2:
         return chunk
     values = np.array([system.switches(z[: problem.n], problem.full_parameters(z)) for z in chunk.z])
     before, after = values[:-1], values[1:]
     crossed = before * after < 0.0
-    for k in np.flatnonzero(np.count_nonzero(crossed, axis=1) > 1):
+    for k in np.flatnonzero(np.any(crossed, axis=1)):
         length = float(chunk.lengths[k + 1])
         places = (length * before[k] / (before[k] - after[k]))[crossed[k]]
         if np.ptp(places) > APART:
             return chunk.cut(int(k) + 1, Stop.LIMIT, length / 4.0)
+        if _off_its_arm(problem, chunk.z[k + 1], scale):
+            if length > NEAREST:
+                return chunk.cut(int(k) + 1, Stop.LIMIT, max(length / 4.0, 0.5 * NEAREST))
+            return chunk.cut(int(k) + 1, Stop.CORRECTOR, length)
     return chunk
+
+
+def _off_its_arm(problem: EquilibriumProblem, z: Array, scale: Array) -> bool:
+    """True for a row that solves the equations of the other side of a surface, which it has passed by rounding.
+
+    Where those leave the surface like a root, their slope is so large that such a row is on the curve to its tolerance.
+    """
+    f, matrix = problem.linearise(z)
+    distance = np.linalg.lstsq(matrix * scale / scale[:-1, None], f / scale[:-1])[0]
+    return not float(np.linalg.norm(distance)) < ON_ITS_ARM
 
 
 def cross_corner(
@@ -97,7 +114,7 @@ def cross_corner(
     for k in np.argsort(np.abs(distance)):
         if not PASSED < distance[k] < AHEAD:
             continue
-        solved = _on_surface(problem, int(k), last.z, last, frame)
+        solved = on_surface(problem, int(k), last.z, last, frame)
         if solved is None:
             continue
         z, residual, error = solved
@@ -112,11 +129,11 @@ def cross_corner(
         behind = _room(surfaces, z, tangent * scale, int(k))
         base = Sample(z, tangent, np.full(4, np.nan), 0, last.eigenvalues)
         beyond = problem.probe(base, behind, z + behind * scale * tangent, frame, settings)
-        if beyond is None or surfaces(beyond.z)[k] * slope[k] <= 0.0:
+        if beyond is None or surfaces(beyond.z)[k] * slope[k] <= 0.0 or far(beyond.z, z, scale, behind):
+            beyond = at_height(problem, int(k), z, float(slope[k]), behind, frame, settings)
+        if beyond is None:
             continue
-        if np.linalg.norm((beyond.z - z) / scale) > 10.0 * behind:  # the equations jump here: that is another branch
-            continue
-        turns = tangent[-1] * last.tangent[-1] < 0.0 and abs(float(last.tangent[-1])) > VERTICAL
+        turns = beyond.tangent[-1] * last.tangent[-1] < 0.0 and abs(float(last.tangent[-1])) > VERTICAL
         stable = min(last.unstable, beyond.unstable)
         form, vectors = {"kind": "nonsmooth"}, {"switch": int(k)}
         point = Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors) if turns else None
@@ -133,49 +150,3 @@ def _room(surfaces: Callable[[Array], Array], z: Array, direction: Array, k: int
     others = np.arange(len(here)) != k
     ahead = distance[others & np.isfinite(distance) & (distance > APART)]
     return min(BEHIND, 0.5 * float(ahead.min(initial=np.inf)))
-
-
-def _on_surface(
-    problem: EquilibriumProblem, k: int, z: Array, side: Sample, frame: Frame
-) -> tuple[Array, float, float] | None:
-    """Newton on F = 0, h_k = 0 with the Jacobian of one side."""
-    n, scale = problem.n, frame.scale
-    system = problem.system
-
-    def surface(point: Array) -> float:
-        return float(system.switches(point[:n], problem.full_parameters(point))[k])
-
-    f, matrix = problem.linearise(side.z)
-    jacobian = matrix * scale / scale[:-1, None]
-    gradient = np.empty(n + 1)
-    for j in range(n + 1):
-        shift = np.zeros(n + 1)
-        shift[j] = STEP * scale[j]
-        gradient[j] = (surface(z + shift) - surface(z - shift)) / (2.0 * STEP)
-    size = float(np.abs(gradient).max())
-    if size == 0.0:
-        return None
-    bordered = np.vstack([jacobian, gradient / size])
-    start = z
-    before = np.inf
-    for _ in range(BUDGET):
-        f, _ = problem.linearise(z)
-        right = np.append(f / scale[:-1], surface(z) / size)
-        try:
-            step = np.linalg.solve(bordered, -right)
-        except np.linalg.LinAlgError:  # the corner is not verified, in words
-            return None
-        length = float(np.linalg.norm(step))
-        if not np.isfinite(length) or float(np.linalg.norm((z - start) / scale)) > 1e-4:
-            return None
-        if length >= 0.5 * before and length < 1e-12:
-            break
-        z = z + scale * step
-        before = length
-        if length < 1e-15:
-            break
-    else:
-        if before > 1e-10:
-            return None
-    error = float(scale[-1] * max(before, 1e-15) * 4.0)
-    return z, float(np.max(np.abs(right))), error

@@ -169,7 +169,7 @@ class EquilibriumProblem(AlgebraicEquations):
         chunk = in_kernel.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
         if is_constrained(self.system):
             chunk = cut_before_pole(self.system, chunk, self.rows_of_parameters(chunk.z), self.n)
-        return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk))
+        return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk), frame.scale)
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """The end at a surface of discontinuity, or a singularity of algebraic equations, that lies ahead."""

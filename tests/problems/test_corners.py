@@ -6,8 +6,9 @@ from math import pi
 import numpy as np
 import pytest
 
+import contin
 from tests.problems.cases import oscillator, zeros
-from tests.problems.follow import assert_labels, follow, reasons
+from tests.problems.follow import assert_labels, follow, labels, reasons
 
 R = (-1.0, 1.5)
 
@@ -28,7 +29,10 @@ def escapement(x1: float) -> str:
     return f"-p*r/2 + min(1, r^2/{x1 * x1!r})*r/(pi*(1 + r^2))"
 
 
+ROOT = "p - x if x < 0.4 else p - 0.4 + 3*sqrt(x - 0.4)"  # p = x below, p = 0.4 - 3 sqrt(x - 0.4) above
 CORNERS = {
+    "a line, then a root of infinite slope": Corner({"x": ROOT}, {"x": 0.2}, 0.2, (-3.0, 2.0), [0.4]),
+    "a root of infinite slope, then a line": Corner({"x": ROOT}, {"x": 0.8}, 0.4 - 3 * 0.4**0.5, (-3.0, 2.0), [0.4]),
     "p = |x|": Corner({"x": "p - abs(x)"}, {"x": -1.0}, 1.0, R, [0.0]),
     "p = |x| in two states": Corner({"x": "p - abs(x) + y", "y": "x/10 - y"}, {"x": -1.0, "y": -0.1}, 1.1, R, [0.0]),
     "p = max(x, -2x): slopes 1 and -2": Corner({"x": "p - max(x, -2*x)"}, {"x": -0.5}, 1.0, R, [0.0]),
@@ -80,8 +84,9 @@ def test_every_row_solves_the_equations_also_beside_corners(name):
     case = CORNERS[name]
     branch = follow(case.equations, case.states, {"p": case.start}, case.range)
     system = branch.problem.system
-    residuals = [np.abs(system.value(z[:-1], branch.problem.full_parameters(z))).max() for z in branch.z]
-    assert max(residuals) < 1e-7
+    for z in branch.z:
+        f, slopes = system.jacobian(z[:-1], branch.problem.full_parameters(z))
+        assert np.abs(f).max() < 1e-7 * max(1.0, float(np.abs(slopes).max()))  # beside a root: the row's distance
 
 
 def test_jump_of_stability_at_a_corner_is_noted_and_not_a_hopf_point():
@@ -109,3 +114,26 @@ def test_branch_ends_at_a_jump_of_the_equations_and_does_not_leap_over_it(jump):
     assert reasons(branch) == ("bound", "surface")
     assert branch.columns["x"].max() < 0.5 + 1e-6
     assert branch.columns["p"].max() == pytest.approx(0.5 + shift, abs=1e-6)
+
+
+@pytest.mark.parametrize("jump", [0.3, 1e-6])
+def test_a_branch_does_not_lead_across_a_jump_that_a_root_hides(jump):
+    """Beside the surface the upper side differs by 3 sqrt(h), which is larger than the jump a rounding error away."""
+    steep = {"x": f"p - x if x < 0.4 else p - 0.4 + {jump} + 3*sqrt(x - 0.4)"}
+    branch = follow(steep, {"x": 0.8}, {"p": 0.4 - jump - 3 * 0.4**0.5}, (-3.0, 2.0))
+    assert branch.columns["x"].min() >= 0.4
+    assert labels(branch) == []
+
+
+def test_the_average_of_a_threshold_in_velocity_folds_where_the_threshold_is_reached():
+    """y^3 above y = 0.4, -3/10 y^5: at r = 0.4 only the damping is left, alpha = -3/10 5/8 0.4^4, with a root above."""
+    model = contin.load({
+        "contin": 1, "name": "threshold", "states": {"x": 1.7, "y": 0}, "parameters": {"alpha": -0.5, "eps": 0.01},
+        "equations": {"x": "y", "y": "-x + eps*(-alpha*y + (y^3 if y > 0.4 else 0) - 3/10*y^5)"},
+        "averaging": {"small": "eps", "oscillators": [{"position": "x", "velocity": "y"}]},
+    })  # fmt: skip
+    averaged = contin.average(model, form="polar")
+    branch = contin.continuation(contin.equilibrium(averaged, {"r": 1.7}), "alpha", (-14, 3))
+    (corner,) = [p for p in branch.points if p.normal_form.get("kind") == "nonsmooth"]
+    assert corner.values["alpha"] == pytest.approx(-0.0048, abs=min(corner.error, 1e-12))
+    assert corner.values["r"] == pytest.approx(0.4, abs=1e-15)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 ROUNDING: Final = 1e-10  # of the terms of the equations: a difference below this is no jump
+ASIDE: Final = 1e-10  # of a surface's terms: a distance from it
+REMAINS: Final = 1e-3  # of a difference there, as its limit on the surface: less is none
 LANDINGS: Final = 6  # Newton steps onto a surface
 
 
@@ -79,8 +81,7 @@ class Jump:
         n, at = len(u), np.array(u, dtype=float)
         for _ in range(LANDINGS):
             h, slope = self.height(at, p)
-            way = slope[:n] * elementary.square(np.abs(u))
-            way = way if float(slope[:n] @ way) > 0.0 else slope[:n]
+            way = _across(slope[:n], at)
             square = float(slope[:n] @ way)
             if h == 0.0 or not square > 0.0:
                 break
@@ -88,13 +89,35 @@ class Jump:
         return at
 
     def is_jump(self, u: Array, p: Array) -> bool:
-        """True where the equations jump on the surface, at its point next to u."""
+        """True where the equations jump on the surface, at its point next to u.
+
+        A side that leaves the surface like sqrt(h) differs from the other by the root of h's rounding error, and does
+        not jump: differences at distances t, 4 t, 16 t that are j + k t^s have the limit j (Aitken).
+        """
         at = self.nearest(u, p)
+        terms = np.abs(self.lower.jacobian(at, p)[1][:, : len(at) + len(p)]) @ np.abs(np.concatenate([at, p]))
         below, above = self.lower.value(at, p), self.upper.value(at, p)
-        full = np.concatenate([at, p])
-        terms = np.abs(self.lower.jacobian(at, p)[1][:, : len(full)]) @ np.abs(full)
-        sizes = terms + np.abs(below) + np.abs(above)
-        return bool(np.any(np.abs(above - below) > ROUNDING * sizes))
+        differ = np.abs(above - below) > ROUNDING * (terms + np.abs(below) + np.abs(above))
+        if not np.any(differ):
+            return False
+        slope = self.height(at, p)[1][: len(at)]
+        way = _across(slope, at)
+        square = float(slope @ way)
+        if not square > 0.0:
+            return True
+        step = way * float(np.abs(slope) @ np.abs(at)) / square
+        steps = (times * ASIDE * step for times in (1.0, 4.0, 16.0))
+        near, mid, far = (self.upper.value(at + one, p) - self.lower.value(at - one, p) for one in steps)
+        bend = far - 2.0 * mid + near
+        with np.errstate(divide="ignore", invalid="ignore"):
+            limit = np.where(np.abs(bend) > ROUNDING * np.abs(near), near - elementary.square(mid - near) / bend, near)
+        return bool(np.any(differ & ~(np.abs(limit) <= REMAINS * np.abs(near))))
+
+
+def _across(slope: Array, u: Array) -> Array:
+    """The direction in which a surface is nearest to u, relative to the states' own sizes."""
+    way = slope * elementary.square(np.abs(u))
+    return way if float(slope @ way) > 0.0 else slope
 
 
 def jumps_of(system: System) -> tuple[Jump, ...]:
