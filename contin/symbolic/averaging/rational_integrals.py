@@ -122,13 +122,11 @@ def _pole(sympy: ModuleType, part: Sympy, s: Sympy) -> Sympy:
     square = sympy.factor(q - p**2 / 4)
     if not square.is_positive:  # real poles that do not factor over the rationals
         return None
-    h = sympy.sqrt(square)
     real = 1 + p / 2
     squared = sympy.factor(1 + p + q)
-    modulus = sympy.sqrt(squared)
-    cos_half, sin_half = (sympy.sqrt((modulus + sign * real) / (2 * squared)) for sign in (1, -1))
+    both = sympy.sqrt(squared) + real  # modulus and real part of 1 + z; sqrt(modulus - real) = sqrt(square/both)
     skew = sympy.factor(alpha * p / 2 - beta)
-    value = alpha * cos_half / 2
+    value = alpha * sympy.sqrt(both / (2 * squared)) / 2
     if skew != 0:
-        value -= skew * sin_half / (2 * h)
+        value -= skew / (2 * sympy.sqrt(2 * squared * both))
     return sympy.pi * value

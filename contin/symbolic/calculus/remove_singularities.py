@@ -16,6 +16,7 @@ from contin.model.expression import Expression, add, if_, mul, numeric_value, po
 from contin.symbolic.calculus.arguments import regular_in_argument
 from contin.symbolic.calculus.centres import LARGEST, LOCAL, Centre, centres
 from contin.symbolic.calculus.polynomials import polynomial_quotient
+from contin.symbolic.calculus.roots import regular_root
 from contin.symbolic.calculus.series import expand
 from contin.symbolic.calculus.series_arithmetic import NotAnalyticError, is_zero
 from contin.symbolic.calculus.signs import is_positive
@@ -37,6 +38,8 @@ def remove_singularities(expressions: Iterable[Expression]) -> list[Expression]:
             new = _regular_product(new)
         elif new.op == "add":
             new = _regular_sum(new)
+        elif new.op == "sqrt":
+            new = regular_root(new)
         done[node] = new
     return [done[root] for root in roots]
 
