@@ -18,7 +18,8 @@ def regular_root(root: Expression) -> Expression:
     if found is None:
         return root
     top, bottom = found
-    outside, inside = [], []
+    outside: list[Expression] = []
+    inside: list[Expression] = []
     for factor in top.args if top.op == "mul" else (top,):
         half = _half(factor)
         (inside if half is None else outside).append(factor if half is None else half)
