@@ -6,10 +6,10 @@ z = (u at the nodes, 1, mesh, p) as of periodic orbits (`contin.problems.orbits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from contin.bvp.condensed import Condensed, Workspace, linearise, residual_at
 from contin.bvp.functionals import columns_of
 from contin.bvp.kernel import undetermined
 from contin.bvp.sizes import couplings, filled, noticed
-from contin.bvp.two_point import TwoPoint
+from contin.bvp.two_point import TwoPoint, two_point
 from contin.continuation import march as python_march
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
@@ -103,6 +103,20 @@ class BoundaryProblem(Problem):
         base = self.base.copy()
         base[self.active] = z[-1]
         return replace(self, base=base, active=self.two.parameters.index(name), spaces={})
+
+    def with_free(self, free: Sequence[str], name: str, z: Array, values: Mapping[str, float]) -> tuple[Self, Array]:
+        """The same solution z with other parameters solved for, `name` varying, and its unknowns there.
+
+        values : of all parameters. InputError where the conditions are too few or too many for `free`.
+        """
+        two, profile = two_point(self.two.model, free), self.profile(z)
+        if name not in two.parameters:
+            raise InputError(f"{name} is solved for (`free`), and cannot vary too")
+        u = profile.u.copy()
+        u[:, two.n_states : two.n_states + len(two.free)] = [values[q] for q in two.free]
+        base = np.array([values[q] for q in two.parameters])
+        problem = replace(self, two=two, base=base, active=two.parameters.index(name), spaces={})
+        return problem, replace(profile, u=u, parameter=values[name]).vector()
 
     def workspace(self, intervals: int, p: Array) -> Workspace:
         """The kernels' memory for this many intervals."""

@@ -21,13 +21,18 @@ SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the sca
 NEGLIGIBLE = 1e-9  # a state this small beside its balanced scale is a zero with rounding errors
 ROUNDING = 1e-14  # of the terms that cancelled
 OFFSET = 100.0  # a state this many bending lengths from zero is far from it
+VERTEX = 1e-11  # of a state: a bending length this small is the rounding of a slope at a parabola's vertex
+UNDETERMINED = 4.0 * np.finfo(float).eps  # of what each term of an equation may be wrong
+SINGULAR = 1e8  # condition of a state beyond which the inverse of the Jacobian says nothing of its rounding
+STILL = 1e3  # rounding errors of a state that is zero, below which its motion is rounding, too
 
 
-def bending_lengths(jacobian: Array, hessians: Array, parameter_scale: float) -> Array:
+def bending_lengths(u: Array, jacobian: Array, hessians: Array, parameter_scale: float) -> Array:
     """Shortest length of each state over which an equation bends, (n,); infinite where none does, 0 where unknown.
 
-    jacobian : (n, n + 1).  hessians : (n, n), entry (k, i) = d^2 F_k / d u_i^2. On a parabola a + b u + c u^2 the
-    length is the larger of |b/c| and sqrt(|a_p| width/|c|), half of what the parameter's range cuts out of it.
+    u : (n,).  jacobian : (n, n + 1).  hessians : (n, n), entry (k, i) = d^2 F_k / d u_i^2.  On a + b u + c u^2
+    the length is the larger of |b/c| and sqrt(|a_p| width/|c|), half of what the parameter's range cuts out of it. At
+    its vertex, as of w(u)^2 where w vanishes, it says nothing, and there b is rounding.
     """
     n = len(jacobian)
     bends = np.abs(hessians)
@@ -35,6 +40,7 @@ def bending_lengths(jacobian: Array, hessians: Array, parameter_scale: float) ->
         slopes = np.abs(jacobian[:, :n]) / bends
         widths = np.sqrt(np.abs(jacobian[:, [n]]) * parameter_scale / bends)
     lengths = np.where(bends > 0.0, np.maximum(slopes, widths), np.inf)
+    lengths = np.where((lengths > 0.0) & (lengths < VERTEX * np.abs(u)), np.inf, lengths)
     return np.asarray(np.min(np.where(np.isfinite(lengths) | np.isinf(lengths), lengths, 0.0), axis=0))
 
 
@@ -58,6 +64,9 @@ def state_scales(
     size = beyond_rounding(u, usual)
     finite = bool(np.all(np.isfinite(jacobian)))
     motion = _motion(jacobian, parameter_scale) if finite else np.zeros(n)
+    rounding = _rounding(u, jacobian[:, :n]) if finite else np.zeros(n)
+    motion = np.where((size <= rounding) & (motion <= STILL * rounding), 0.0, motion)
+    size = np.where(size <= rounding, 0.0, size)
     scale = np.where(size > 0.0, np.maximum(size, np.minimum(motion, SENSITIVITY_CAP * size)), motion)
     if lengths is not None:
         near = OFFSET * np.maximum(lengths, motion)
@@ -86,6 +95,19 @@ def _motion(jacobian: Array, parameter_scale: float) -> Array:
     motion = np.abs(inverse @ slopes) * parameter_scale
     noise = ROUNDING * (np.abs(inverse) @ np.abs(slopes)) * parameter_scale
     return np.asarray(np.where(np.isfinite(motion) & (motion > noise), motion, 0.0))
+
+
+def _rounding(u: Array, matrix: Array) -> Array:
+    """Rounding errors of a solved state, (n,): |J^-1| |J| |u| eps; 0 where J is too nearly singular to tell.
+
+    A state below that is a zero: x' = -x + w(y)^2 where w(y) = 0 has x = 1e-33 in place of 0.
+    """
+    try:
+        condition = np.abs(np.linalg.inv(matrix)) @ np.abs(matrix)
+    except np.linalg.LinAlgError:
+        return np.zeros(u.size)
+    known = np.isfinite(condition).all() and float(np.diag(condition).max()) < SINGULAR
+    return np.asarray(UNDETERMINED * (condition @ np.abs(u))) if known else np.zeros(u.size)
 
 
 def parameter_width(model: object, name: str, value: float, bounds: tuple[float, float]) -> float:

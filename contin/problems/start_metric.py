@@ -23,7 +23,7 @@ def scales_at(problem: EquilibriumProblem, z: Array, bounds: tuple[float, float]
     declared = np.where(problem.angle_periods > 0.0, problem.angle_periods / (2.0 * np.pi), declared)
     lengths = None
     if problem.n <= BENDS_UP_TO and np.any(z[:-1] != 0.0):
-        lengths = bending_lengths(jacobian, _second_derivatives(problem, z), width)
+        lengths = bending_lengths(z[:-1], jacobian, _second_derivatives(problem, z), width)
     growth = partial(_growth, problem, z, jacobian, width) if problem.n <= BENDS_UP_TO else None
     states, unknown = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
     return states, unknown, width

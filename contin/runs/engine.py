@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
+from contin.errors import InputError
 from contin.problems.images import images
 from contin.records import Record
 from contin.special.table import special_type
@@ -120,11 +121,14 @@ class ContinEngine:
             return _verbs().torus(point, run.parameters, run.range, name=run.name, settings=run.settings)
         if run.as_ == "connection":
             return _verbs().connection(point, run.start, run.to, **run.connecting)
-        if len(run.parameters) > 1:
-            return point.locus(run.parameters)
-        if _goes_on(branch, point, run):
-            return _same_solution(branch, point, run.parameters[0])
-        return point.switch(run.parameters[0])
+        if len(run.parameters) == 1 and _goes_on(branch, point, run):
+            return _same_solution(branch, point, run)
+        if branch.kind == "bvp" and run.free and set(run.free) != set(point.problem.free_names):
+            raise InputError(
+                f"{run.name}: what is born at {branch.name}.{label} has the free parameters of its parent "
+                f"({', '.join(point.problem.free_names) or 'none'}); leave out `free`, or start from a user value"
+            )
+        return point.locus(run.parameters) if len(run.parameters) > 1 else point.switch(run.parameters[0])
 
     def connect(self, model: Model, run: RunPlan, points: Mapping[str, Any], parameters: Record) -> object:
         first, last = points.get("start", run.start), points.get("to", run.to)
@@ -218,9 +222,12 @@ def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
     return point.type != "HB" and run.parameters[0] != branch.parameters[0]
 
 
-def _same_solution(branch: Branch, point: Any, parameter: str) -> Any:
-    """The start of a run at the solution that a point is, with any parameter free."""
-    problem = point.problem.with_active(parameter, point.z)
+def _same_solution(branch: Branch, point: Any, run: RunPlan) -> Any:
+    """The start of a run at the solution that a point is, with any parameter varying and any others solved for."""
+    problem, parameter = point.problem, run.parameters[0]
+    if branch.kind == "bvp" and run.free and set(run.free) != set(problem.free_names):
+        return Seed(*problem.with_free(run.free, parameter, point.z, point.values))
+    problem = problem.with_active(parameter, point.z)
     z = point.z.copy()
     z[-1] = point.values[parameter]
     return Seed(problem, z)

@@ -153,7 +153,7 @@ class Planner(EntryParts):
             return tuple(entry.free)
         if entry.conditions:
             self.problems.add((*path, "conditions"), "of a boundary-value problem they stand in the model", key=True)
-        if entry.from_ is None:
+        if entry.from_ is None or entry.free:  # from a label, those of its branch where none are named
             needed = len(self.model.conditions) - len(self.model.states)
             if needed != len(entry.free):
                 self.problems.add(path, condition_count(self.model, entry.free))

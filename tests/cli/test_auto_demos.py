@@ -1,7 +1,7 @@
 """Demos of AUTO-07p as run files: what they find beside closed forms and published numbers."""
 
 import json
-from math import acosh, cos, e, exp, pi, sin, sqrt
+from math import acosh, cos, e, exp, expm1, pi, sin, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -241,6 +241,112 @@ def test_inclination_flips_are_where_the_manual_has_them(tmp_path):
     assert start["values"]["lambda"] == pytest.approx(-1.851185, abs=6e-7)
     flips = sorted(p["values"]["k"] for p in branches["loop"]["points"] if p["type"] == "IFS")
     assert flips == pytest.approx([-0.439547, -0.200266], abs=1e-6)
+
+
+def branches_of(name, tmp_path):
+    """The branches of a demo's run file, by name."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))
+    return {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+
+
+UNSTABLE = {  # rates, radius of the circle and of the sphere
+    "um2": (lambda u: [0.1 * u[0] - u[1] ** 3, u[1] + u[0] ** 3], 0.1, 0.6),
+    "um3": (lambda u: [0.01 * u[0] - u[1] ** 3 + u[2] ** 3, u[1] + u[0] ** 3, u[0] ** 2 - u[2]], 0.03, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", UNSTABLE)
+def test_orbits_of_an_unstable_manifold_reach_the_sphere_when_they_do_by_integration(name, tmp_path):
+    """um2, um3: `free: [T]` takes the place of the radius, which was solved for in the runs before."""
+    rates, small, large = UNSTABLE[name]
+    branches = branches_of(name, tmp_path)
+    assert branches["slower"]["free"] == branches["round"]["free"] == ["T"]
+    columns, angles = branches["round"]["columns"], [0.3, 1.0, 2.0, 2.9]
+    assert {"T", "theta"} <= set(columns)
+    for angle in angles:
+        row = int(np.argmin(np.abs(np.array(columns["theta"]) - angle)))
+        theta, time = columns["theta"][row], columns["T"][row]
+        start = [small * cos(theta), small * sin(theta), 0.0][: len(rates([0.1, 0.1, 0.1]))]
+        path = solve_ivp(lambda t, u: rates(u), (0, time), start, "DOP853", rtol=1e-12, atol=1e-14)
+        assert np.linalg.norm(path.y[:, -1]) == pytest.approx(large, abs=1e-6)
+
+
+def test_the_stable_manifold_of_lorenz_equations_leads_to_the_origin(tmp_path):
+    """man: points of its orbits, integrated forwards, come near the origin."""
+    columns = branches_of("man", tmp_path)["ws"]["columns"]
+    points = np.array([columns[name] for name in ("x", "y", "z")]).T
+    lorenz = lambda t, u: [10 * (u[1] - u[0]), 28 * u[0] - u[1] - u[0] * u[2], u[0] * u[1] - 8 / 3 * u[2]]  # noqa: E731
+    for point in points[:: len(points) // 12]:
+        path = solve_ivp(lorenz, (0, 4), point, "DOP853", rtol=1e-11, atol=1e-12, max_step=0.01)
+        # what is 1e-8 off the surface grows by exp(11.8 t), and is carried past the origin at a hundredth of its way
+        assert np.linalg.norm(path.y, axis=0).min() < 1e-2 * np.linalg.norm(point)
+
+
+@pytest.mark.long
+def test_solitary_waves_have_belyakov_points_where_a_discriminant_vanishes(tmp_path):
+    """fhh: l^3 - c l^2 - a l - eps/c at rest; a = -eps/c^2 at the Hopf point."""
+    branches = branches_of("fhh", tmp_path)
+    (hopf,) = [point for point in branches["rest"]["points"] if point["type"] == "HB"]
+    assert hopf["values"]["a"] == pytest.approx(-0.0025 / 0.21**2, rel=1e-9)
+    found = [point["values"] for point in branches["waves"]["points"] if point["type"] == "DRS"]
+    assert len(found) == 2
+    for values in found:
+        a, c, e0 = values["a"], values["c"], 0.0025 / values["c"]
+        terms = [18 * a * c * e0 * -1, -4 * c**3 * e0, a * a * c * c, 4 * a**3, -27 * e0 * e0]
+        assert sum(terms) == pytest.approx(0.0, abs=1e-8 * max(map(abs, terms)))
+
+
+def plant(v):
+    """gI, and the other states, of Plant's neuron at rest at the voltage v; and its rates."""
+    s = (127 * v + 115 * 75 - 12 * 30) / 105
+    am, an = 0.1 * (50 - s) / expm1((50 - s) / 10), 0.01 * (55 - s) / expm1((55 - s) / 10)
+    ah, bm = 0.07 * exp((25 - s) / 20), 4 * exp((25 - s) / 18)
+    bn, bh = 0.125 * exp((45 - s) / 80), 1 / (exp((55 - s) / 10) + 1)
+    m, n, h = am / (am + bm), an / (an + bn), ah / (ah + bh)
+    t = 1 / (1 + exp(-0.15 * (50 + v)))
+    c = 0.0085 * t * (140 - v)
+    outward = (0.3 * n**4 + 0.03 * c / (0.5 + c)) * (75 + v) + 0.003 * (40 + v)
+    return (outward / (30 - v) - 0.01 * t) / (m**3 * h), (t, n, h, c), (m, (an, bn), (ah, bh))
+
+
+def real_part_of_plant(v):
+    """Of the pair of eigenvalues at rest; differences of the equations."""
+    conductance, others, _ = plant(v)
+    rest = np.array([v, *others])
+
+    def rates(u):
+        _, (t, _, _, _), (m, (an, bn), (ah, bh)) = plant(u[0])
+        inward = (conductance * m**3 * u[3] + 0.01 * u[1]) * (30 - u[0])
+        outward = (0.3 * u[2] ** 4 + 0.03 * u[4] / (0.5 + u[4])) * (75 + u[0]) + 0.003 * (40 + u[0])
+        slow = 0.0003 * (0.0085 * u[1] * (140 - u[0]) - u[4])
+        gates = (an - (an + bn) * u[2]) / 12.5, (ah - (ah + bh) * u[3]) / 12.5
+        return np.array([inward - outward, (t - u[1]) / 235, *gates, slow])
+
+    steps = 1e-6 * np.maximum(np.abs(rest), 1.0) * np.eye(5)
+    matrix = np.array([(rates(rest + d) - rates(rest - d)) / (2 * d.max()) for d in steps]).T
+    values = np.linalg.eigvals(matrix)
+    return float(values[np.argmax(np.abs(values.imag))].real)
+
+
+def test_a_bursting_neuron_has_hopf_points_and_cycles_that_end_at_a_homoclinic_orbit(tmp_path):
+    """pla: the family's last orbits are where its limit is said to be: with the third rate of the saddle, 0.0059,
+    0.012 and 0.00015 among them, two orbits of period 985 agreed on 27.6329, and the family goes on."""
+    branches = branches_of("pla", tmp_path)
+    hopf = [point["values"]["gI"] for point in branches["rest"]["points"] if point["type"] == "HB"]
+    assert hopf == pytest.approx([plant(brentq(real_part_of_plant, *b))[0] for b in ((-56, -54), (-11, -10))], rel=1e-6)
+    (limit,) = [point for point in branches["second"]["points"] if point["type"] == "HOM"]
+    columns = branches["second"]["columns"]
+    assert columns["period"][-1] > 2e4
+    assert limit["values"]["gI"] == pytest.approx(columns["gI"][-1], abs=2e-5)
+
+
+def test_cycles_at_one_of_two_equilibria_begin_in_closed_form(tmp_path):
+    """snh: nu1 = -sin(phi) at phi = 2 pi - acos(0.73); (2 cos(phi) + nu2)^2 has a double zero there."""
+    branches = branches_of("snh", tmp_path)
+    (hopf,) = branches["rest"]["points"]
+    assert hopf["values"]["nu1"] == pytest.approx(sqrt(1 - 0.73**2), rel=1e-9)
+    assert [point["type"] for point in branches["cycles"]["points"]] == ["LPC", "NS"]
 
 
 @pytest.mark.long

@@ -26,6 +26,8 @@ SWINGING = 6.0  # the error estimate's factor of safety there
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
+RELAXED = 3.0  # periods, in units of a slower rate, from which its term would be seen; before it is like a constant
+FITS = 0.1  # part of what the parameter moved that a faster rate may leave unexplained
 SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
 NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
 PRECISE = Settings(tolerance=1e-11)
@@ -42,7 +44,9 @@ def diverged(
     agree on it and the remaining distance is small, and the orbits' extrema, too, are near their limits
     e* = e + (de/dT) / k: those of Lotka and Volterra's predator and prey linger at a saddle, and grow for ever. The
     slowest direction of a saddle may have no part in it (a skew product, the phase of a frame that turns with the
-    state, a flip): faster rates are tried after it.
+    state, a flip): faster rates are tried after it, once the period is so long that its term could be seen, and
+    where they explain how the parameter moved (Plant's bursting neuron has rates of 0.00015, 0.0059 and 0.012: the
+    third makes limits of two orbits of period 985, and of period 23,000, that are wrong by 200 times their errors).
 
     failed : the corrector can go no further; then two orbits need not agree, the march's tangents do, and what remains
         counts as error.
@@ -70,10 +74,15 @@ def diverged(
     visits = [s.visits for s in saddles]
     rates = list(zip(*(s.by_rate for s in saddles), strict=False))
     limits = [extrapolated(slowest, visits, slopes, gained, moved) for slowest in rates[:LEVELS]]
+    seen = limits[0].rate * profile.period > RELAXED
+    used = [seen and limit.drift <= FITS * abs(moved) for limit in limits]
     if failed:
         limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
-    elif len(saddles) == 1:
-        limits = [with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairwise(limits)] + limits[-1:]
+    else:
+        if len(saddles) == 1:
+            pairs = pairwise(limits)
+            limits = [with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairs] + limits[-1:]
+        limits = limits[:1] + [limit for limit, fits in zip(limits[1:], used[1:], strict=True) if fits]
     for level, limit in enumerate(limits):
         remaining = abs(limit.step)
         if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
