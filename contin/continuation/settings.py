@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from contin.errors import InputError
 from contin.limits import MOST_INTERVALS, MOST_POINTS, check_count
 from contin.records import Record
+from contin.special.table import checked_codes
 
 LOOSEST_TOLERANCE = 1e-4
 
@@ -79,5 +80,5 @@ class Settings:
         chosen = dict(given)
         if "stop_at" in chosen:
             stops = chosen["stop_at"]
-            chosen["stop_at"] = (stops,) if isinstance(stops, str) else tuple(stops)
+            chosen["stop_at"] = checked_codes("settings: stop_at", (stops,) if isinstance(stops, str) else stops)
         return cls(**chosen)

@@ -159,6 +159,9 @@ class Planner(EntryParts):
                 self.problems.add(path, condition_count(self.model, entry.free))
         if entry.as_ is not None:
             self.problems.add((*path, "as"), f"a boundary-value problem has no {entry.as_}; leave out `as`", key=True)
+        if entry.settings.method == "shooting":
+            told = "boundary-value problems are solved by collocation; leave out `method`"
+            self.problems.add((*path, "settings", "method"), told, key=True)
         return tuple(entry.free)
 
     def conditions(self, entry: ContinuationEntry, path: Path) -> None:

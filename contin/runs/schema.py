@@ -178,7 +178,8 @@ class ContinuationEntry(Section):
         if self.of is None or self.length is None:
             raise wrong("is a manifold: give `of`, its equilibrium (or NAME.LABEL), and `length`, an arclength")
         others = {"start": self.start, "from": self.from_, "samples": self.samples, "range": self.range}
-        others |= {"parameter": self.parameter or None, "conditions": self.conditions or None}
+        lists = ("parameter", "values", "free", "conditions", "extrema", "columns")
+        others |= {name: getattr(self, name) or None for name in lists} | {"settings": self.settings.chosen() or None}
         given = [key for key, value in others.items() if value is not None]
         if given:
             raise wrong(f"is a manifold, at fixed parameters: leave out `{given[0]}`")

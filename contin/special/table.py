@@ -7,7 +7,8 @@ know of a type (words, markers, tests, normal form, curves) they read here, so t
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -37,6 +38,17 @@ def table() -> Mapping[str, SpecialType]:
 def special_type(code: str) -> SpecialType:
     """The row of a code; types that later versions add are special points too, without words of their own."""
     return table().get(code, UNKNOWN)
+
+
+def checked_codes(where: str, given: Iterable[str]) -> tuple[str, ...]:
+    """The codes as they are; InputError for one that no type has, or that carries a number (LP1)."""
+    codes_given = tuple(given)
+    for code in codes_given:
+        if code not in table():
+            near = get_close_matches(code.rstrip("0123456789").upper(), table(), n=1, cutoff=0.5)
+            advice = f"did you mean {near[0]!r}? " if near else ""
+            raise InputError(f"{where}: {code!r} is no type of special point: {advice}known: {', '.join(table())}")
+    return codes_given
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Which parameters a run from a label solves for: those it names, not silently those of the run before."""
+"""What a run file asks for is obeyed or refused: which parameters a run from a label solves for, settings, keys."""
 
 import numpy as np
 import pytest
@@ -51,3 +51,18 @@ def test_a_branch_that_is_born_keeps_its_parents_free_parameters_or_says_so(tmp_
     kept = {**born, "free": ["q"]}
     assert call("run", run_file(tmp_path, model, line, kept), "--json", out) == 0
     assert results(out)["branches"][1]["free"] == ["q"]
+
+
+@pytest.mark.parametrize(
+    ("run", "told"),
+    [
+        ({"parameter": "T", "free": ["R"], "settings": {"method": "shooting"}}, "are solved by collocation"),
+        ({"parameter": "T", "free": ["R"], "settings": {"stop_at": ["LP1"]}}, "'LP1' is no type of special point"),
+        ({"parameter": "T", "free": ["R"], "settings": {"stop_at": ["hopf"]}}, "known: EX, UZ"),
+        ({"as": "manifold", "of": {"x": 0}, "length": 3, "values": {"T": [1]}}, "leave out `values`"),
+        ({"as": "manifold", "of": {"x": 0}, "length": 3, "settings": {"steps": 9}}, "leave out `settings`"),
+    ],
+)
+def test_what_a_run_would_read_past_is_refused(run, told, tmp_path, capsys):
+    assert call("run", run_file(tmp_path, DECAY, run)) == 2
+    assert told in capsys.readouterr().err
