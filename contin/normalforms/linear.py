@@ -16,6 +16,7 @@ from contin.abi import Vector
 from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
+SINGULAR = 1e-13  # a solution this many times its equation's right side has no digits
 ORTHOGONAL = 1e-12  # cosine of two null vectors that is zero with rounding errors
 FEW = 64  # entries of a matrix that are equilibrated as Python's numbers
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
@@ -167,6 +168,8 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
 
     With columns = q and rows = p (n, k) of a k-fold zero eigenvalue, this is matrix x = rhs - q <p, rhs> with
     <p, x> = 0. One step of iterative refinement. Cost: one dense LU of n + k.
+
+    LinAlgError where the matrix is singular to rounding: in homological equations, where eigenvalues are resonant.
     """
     n = len(matrix)
     if columns is None or rows is None:
@@ -181,5 +184,8 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
     target = (r * right.T).T
     x = np.linalg.solve(scaled, target)
     x = x + np.linalg.solve(scaled, target - scaled @ x)
+    grown = float(np.linalg.norm(x)) * float(np.linalg.norm(scaled, np.inf))
+    if grown * SINGULAR > float(np.linalg.norm(target)):
+        raise np.linalg.LinAlgError("another eigenvalue is in resonance: a coefficient has a pole here")
     answer: Vector = (c * x.T).T[:n]
     return answer

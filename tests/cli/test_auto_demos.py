@@ -339,6 +339,12 @@ def test_a_bursting_neuron_has_hopf_points_and_cycles_that_end_at_a_homoclinic_o
     columns = branches["second"]["columns"]
     assert columns["period"][-1] > 2e4
     assert limit["values"]["gI"] == pytest.approx(columns["gI"][-1], abs=2e-5)
+    text = (FOLDER / "pla.yaml").read_text().replace("range: [-120, 60]", "range: [0, 60]")
+    narrow, out = tmp_path / "narrow.yaml", tmp_path / "narrow.json"
+    narrow.write_text(text[: text.index("  - {name: first")] + "  - {name: second, from: rest.HB1, parameter: gI}\n")
+    call("run", str(narrow), "--quiet", "--json", str(out))
+    (other,) = [point for point in json.loads(out.read_text())["branches"][1]["points"] if point["type"] == "HOM"]
+    assert other["values"]["gI"] == pytest.approx(limit["values"]["gI"], abs=limit["error"] + other["error"])
 
 
 def test_cycles_at_one_of_two_equilibria_begin_in_closed_form(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.orbits.extrapolated import extrapolated, with_next
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_near
@@ -27,6 +29,7 @@ DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
 RELAXED = 3.0  # periods, in units of a slower rate, from which its term would be seen; before it is like a constant
+FADES = 0.5  # part of a faster rate at which dp/dT must fall: the two constants of a spiral fit any two orbits
 FITS = 0.1  # part of what the parameter moved that a faster rate may leave unexplained
 SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
 NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
@@ -75,14 +78,14 @@ def diverged(
     rates = list(zip(*(s.by_rate for s in saddles), strict=False))
     limits = [extrapolated(slowest, visits, slopes, gained, moved) for slowest in rates[:LEVELS]]
     seen = limits[0].rate * profile.period > RELAXED
-    used = [seen and limit.drift <= FITS * abs(moved) for limit in limits]
+    fading = _fading(slopes, gained)
+    used = [seen and fading > FADES * one.rate and (failed or one.drift <= FITS * abs(moved)) for one in limits]
+    if not failed and len(saddles) == 1:
+        pairs = pairwise(limits)
+        limits = [with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairs] + limits[-1:]
+    limits = limits[:1] + [limit for limit, fits in zip(limits[1:], used[1:], strict=True) if fits]
     if failed:
         limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
-    else:
-        if len(saddles) == 1:
-            pairs = pairwise(limits)
-            limits = [with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairs] + limits[-1:]
-        limits = limits[:1] + [limit for limit, fits in zip(limits[1:], used[1:], strict=True) if fits]
     for level, limit in enumerate(limits):
         remaining = abs(limit.step)
         if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
@@ -100,6 +103,12 @@ def diverged(
             doubt += (2.0 * remaining + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
             return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
     return None
+
+
+def _fading(slopes: Sequence[float], gained: float) -> float:
+    """The rate at which dp/dT has become smaller from one orbit to the next; infinite where its sign has changed."""
+    here, before = slopes
+    return float(elementary.log(before / here)) / gained if before * here > 0.0 else np.inf
 
 
 def _changed(saddles: list[Saddle], at_limit: list[Saddle]) -> float:
