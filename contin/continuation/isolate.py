@@ -96,6 +96,9 @@ def isolate(
     if middle is None:
         yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points")
         return
+    if stretch.problem.explain(a, middle) == () == stretch.problem.explain(middle, b):  # zero there: signs say nothing
+        yield from _compound(stretch, a, b, "changes that could not be told apart")
+        return
     yield from isolate(stretch, a, middle, depth + 1, beside)
     yield from isolate(stretch, middle, b, depth + 1, beside)
 
