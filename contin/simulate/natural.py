@@ -99,11 +99,13 @@ def above_rounding(system: System, allowed: Array, u: Array, p: Array) -> Array:
     the natural time: no step is short enough for a smaller tolerance (a state that is zero, as on an invariant plane,
     where the solution leaves a start near an equilibrium and its terms become large).
     """
-    jacobian = np.abs(np.nan_to_num(system.jacobian(u, p)[1], posinf=0.0, neginf=0.0))
-    rate = float(jacobian[:, : len(u)].max(initial=0.0))
+    if len(u) > COUPLED_UP_TO:
+        return allowed
+    jacobian = np.nan_to_num(system.jacobian(u, p)[1], posinf=0.0, neginf=0.0)
+    rate = float(np.abs(np.linalg.eigvals(jacobian[:, : len(u)])).max())  # in any units
     if not rate > 0.0:
         return allowed
-    terms = jacobian @ np.abs(np.concatenate([u, p]))
+    terms = np.abs(jacobian) @ np.abs(np.concatenate([u, p]))
     return np.asarray(np.maximum(allowed, IN_A_STEP * np.finfo(float).eps * terms / rate))
 
 
