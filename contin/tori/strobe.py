@@ -86,6 +86,7 @@ class Strobe:
         if isinstance(self.system, IteratedSystem) or self.is_map:
             image, matrix = self.system.jacobian(u, p)
             return np.asarray(image), matrix[:, :n], np.zeros(n), matrix[:, n + self.active]
+        _check_time(time)
         first = np.hstack([np.eye(n), np.zeros((n, 1))])
         columns = np.array([-1] * n + [n + self.active], np.int64)
         flight = fly(self.system, u, p, time, variations=first, columns=columns, rtol=RTOL)
@@ -97,6 +98,7 @@ class Strobe:
     def path(self, u: Array, time: float, value: float, times: Array) -> tuple[Array, Array]:
         """States at `times` (K, n) and at the end of a flow."""
         assert not isinstance(self.system, IteratedSystem)  # which is a map
+        _check_time(time)
         flight = fly(self.system, u, self.parameters(value), time, times=times, rtol=RTOL)
         if flight.outcome != DONE:
             raise NoSolutionError(flight.why)
@@ -114,3 +116,9 @@ class Strobe:
         apart = a - b
         whole = np.where(self.turn > 0.0, self.turn, 1.0)
         return np.where(self.turn > 0.0, apart - whole * np.round(apart / whole), apart)
+
+
+def _check_time(time: float) -> None:
+    """NoSolutionError for a period to which Newton's method cannot lead: it is positive."""
+    if not time > 0.0:
+        raise NoSolutionError(f"Newton's method leads to a period that is not positive ({time:.2g})")

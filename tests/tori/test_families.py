@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 import contin
-from contin.errors import InputError
+from contin.errors import InputError, NoSolutionError
+from contin.lowering import compile_system
 from contin.tori import fourier
+from contin.tori.strobe import Strobe
 
 ANGLE = 0.71  # of the multipliers of the maps below
 
@@ -179,6 +181,15 @@ def test_a_torus_on_which_a_simulation_settles_is_followed_to_both_sides():
     assert np.allclose(np.abs(beats - np.round(beats)) % 1.0, 0.37, atol=1e-6)
     with pytest.raises(InputError, match=r"settles on no torus|no torus is found"):
         contin.torus(contin.load("classics/lorenz"), "rho", (20, 30), start={"x": 1}, parameters={"rho": 28})
+
+
+def test_a_period_that_is_not_positive_is_no_solution():
+    """Newton's method may lead there, from a guess on a chaotic trajectory."""
+    system = compile_system(contin.load("classics/lorenz"))
+    strobe = Strobe(system, np.ones(system.m), system.parameter_names.index("rho"), np.zeros(3))
+    for time in -4.0, 0.0, float("nan"):
+        with pytest.raises(NoSolutionError, match="period that is not positive"):
+            strobe.derivatives(np.array([1.0, 1.0, 20.0]), time, 28.0)
 
 
 def test_what_has_no_torus_is_said():
