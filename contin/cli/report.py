@@ -128,16 +128,17 @@ def _table(branch: Record, shown: list[str], *, fold: bool) -> Table:
     table.add_column("coefficient", no_wrap=True)
     for point in branch["points"]:
         cells = [number(point["values"].get(name)) for name in shown]
-        table.add_row(f"  {point['label']}", words(point), *cells, _coefficient(point["normal_form"]))
+        table.add_row(f"  {point['label']}", words(point), *cells, _coefficient(point))
     return table
 
 
 def _shown_columns(branch: Record, states: list[str]) -> list[str]:
-    """Parameters, the period, the first states: of orbits their maxima; of cycles of maps their first points."""
+    """Parameters, free ones, the period, the first states: of orbits maxima; of cycles of maps their first points."""
     columns = branch["columns"]
     named = [next((name for name in (state, f"{state}.max") if name in columns), None) for state in states]
     period = ["period"] if "period" in columns else []
-    return [*branch["parameters"], *period, *[name for name in named if name][:MOST_STATES]]
+    free = [name for name in branch.get("free", ()) if name in columns]
+    return [*branch["parameters"], *free, *period, *[name for name in named if name][:MOST_STATES]]
 
 
 def words(point: Record) -> str:
@@ -145,6 +146,8 @@ def words(point: Record) -> str:
     form = point["normal_form"]
     parts = [style_of(point["type"]).words]
     parts += [str(form[key]) for key in ("kind", "criticality", "case") if form.get(key)]
+    if form.get("of"):
+        parts[-1] += f" of {form['of']}"
     if point.get("also"):
         parts.append(f"also {point['also']}")
     return ", ".join(parts)
@@ -155,8 +158,11 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.8g}"
 
 
-def _coefficient(form: Record) -> str:
-    """The one that decides; with its error where that leaves no sign."""
+def _coefficient(point: Record) -> str:
+    """The one that decides, with its error where that leaves no sign; of an extremum its height."""
+    form = point["normal_form"]
+    if form.get("of") in point["values"]:
+        return f"{form['of']} = {number(point['values'][form['of']])}"
     for key in (_OF_KIND.get(str(form.get("kind")), ""), *_COEFFICIENTS):
         value, error = form.get(key), form.get("errors", {}).get(key)
         if isinstance(value, int | float) and not isinstance(value, bool):

@@ -92,7 +92,7 @@ class Departure:
         outward = _outward(seed, self.start, sense, self.bounds)
         if outward is not None:
             return outward
-        origin = _origin(seed, self.start, sense, self.scale, self.settings, self.here)
+        origin = self._origin(sense)
         if origin is None:
             where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
@@ -107,6 +107,14 @@ class Departure:
         )
         arm = Arm(course, origin, self.scale.copy(), _oriented(self.start, sense), march)
         return arm, [Piece.single(origin, self.scale)] if seed.born else []
+
+    def origin(self, sense: int) -> Sample | None:
+        """Where the arm of this sense sets out, with the start's sense; None where there is no such arm."""
+        found = self._origin(sense) if sense in self.seed.arms else None
+        return None if found is None else _oriented(found, sense)
+
+    def _origin(self, sense: int) -> Sample | None:
+        return _origin(self.seed, self.start, sense, self.scale, self.settings, self.here)
 
 
 def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Departure:

@@ -6,7 +6,7 @@ four in the step, so that its zero is as good as c itself is (an error of c of 1
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,14 +14,14 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.found import Found
-from contin.continuation.piece import Row
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
-from contin.continuation.settings import Settings
+from contin.continuation.problem import Problem, Sample, Verified
 from contin.machine import elementary
 
 STEP = 1e-3  # of the differences (scaled arclength)
 ACCURACY = 1e-12  # of the place (scaled arclength)
 TURNING = 1e-6  # part of the tangent below which the parameter stands still
+SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
+SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -36,28 +36,47 @@ class Extremum:
         if self.column == problem.parameters[0]:
             return np.asarray(tangents[:, -1] * scale[-1])
         step = STEP * scale * tangents
-        far, near = (self._values(problem, z + k * step) - self._values(problem, z - k * step) for k in (2.0, 1.0))
+        far, near = (self.values(problem, z + k * step) - self.values(problem, z - k * step) for k in (2.0, 1.0))
         return np.asarray((8.0 * near - far) / (12.0 * STEP))
 
-    def _values(self, problem: Problem, z: Array) -> Array:
+    def values(self, problem: Problem, z: Array) -> Array:
         return np.asarray(problem.columns(z)[self.column], dtype=float)
 
-    def locate(self, stretch: Stretch, a: Sample, b: Sample) -> Found | None:
-        """The extremum between two points of the stretch at which the slopes have different signs."""
-        problem, scale = stretch.problem, stretch.frame.scale
+    def slope(self, stretch: Stretch, sample: Sample) -> float:
+        """dc/ds at one sample."""
+        return float(self.slopes(stretch.problem, sample.z[None], sample.tangent[None], stretch.frame.scale)[0])
+
+    def noise(self, problem: Problem, z: Array) -> float:
+        """What rounding of the column makes of its slope near z."""
+        return EPSILON * float(np.abs(self.values(problem, z[None]))[0]) / STEP
+
+    def zero(self, stretch: Stretch, a: Sample, b: Sample) -> tuple[Sample, float]:
+        """The point between two at which the slopes have different signs where it vanishes; how well it is known."""
 
         def slope(sample: Sample) -> float:
-            return float(self.slopes(problem, sample.z[None], sample.tangent[None], scale)[0])
+            return self.slope(stretch, sample)
 
-        rising = slope(a) > 0.0
         a, b = stretch.zero(slope, a, b, ACCURACY)
-        near = a if abs(slope(a)) <= abs(slope(b)) else b
-        bend = self._bend(stretch, near, slope)
-        if bend is None:
+        return (a if abs(slope(a)) <= abs(slope(b)) else b), stretch.distance(a, b)
+
+    def verified(
+        self, stretch: Stretch, near: Sample, width: float, ends: tuple[Sample, Sample], rising: bool
+    ) -> Found | None:
+        """The extremum at a zero of the slope, between two ends at which the column is on the other side.
+
+        None where the curve cannot be followed, and where the column does not stand out of its own scatter: one that
+        is constant along the curve turns nowhere, although rounding gives its slopes signs.
+        """
+        problem, scale = stretch.problem, stretch.frame.scale
+        beside = self._beside(stretch, near)
+        if beside is None:
             return None
-        size = float(np.abs(self._values(problem, near.z[None]))[0])
-        noise = EPSILON * size / STEP
-        width = stretch.distance(a, b) + (noise / abs(bend) if bend != 0.0 else 0.0)
+        bend = _derivative([self.slope(stretch, sample) for sample in beside])
+        if not self._stands_out(problem, near, beside, ends, rising):
+            return None
+        size = float(np.abs(self.values(problem, near.z[None]))[0])
+        noise = self.noise(problem, near.z)
+        width += noise / abs(bend) if bend != 0.0 else 0.0
         rate = float(near.tangent[-1] * scale[-1])
         turning = abs(float(near.tangent[-1])) <= TURNING
         form = {
@@ -66,31 +85,35 @@ class Extremum:
             "curvature": bend if turning else bend / elementary.square(rate),
         }
         error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
-        residual = abs(slope(near)) / max(size, float(np.abs(bend)), 1e-300)
+        residual = abs(self.slope(stretch, near)) / max(size, float(np.abs(bend)), 1e-300)
         point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
         return Found(stretch.length_of(near), point, near)
 
-    def _bend(self, stretch: Stretch, at: Sample, slope: Callable[[Sample], float]) -> float | None:
-        """d^2 c/ds^2 by the five-point difference of the slopes; None where the curve cannot be followed there."""
-        values = []
-        for side in (-2.0 * STEP, -STEP, STEP, 2.0 * STEP):
+    def _stands_out(
+        self, problem: Problem, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool
+    ) -> bool:
+        """True where the column is lower (at a maximum) at the ends by more than its scatter next to the point."""
+        close = np.array([*(sample.z for sample in beside), at.z])
+        values = self.values(problem, close)
+        s = np.array([*SIDES, 0.0]) / STEP
+        fit = np.stack([np.ones_like(s), s, elementary.square(s)], axis=1)
+        scatter = float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max())
+        scatter += EPSILON * float(np.abs(values).max())
+        drops = (values[-1] - self.values(problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
+        return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
+
+    def _beside(self, stretch: Stretch, at: Sample) -> list[Sample] | None:
+        """Four points of the curve next to `at`; None where it cannot be followed there."""
+        samples = []
+        for side in SIDES:
             guess = at.z + side * stretch.frame.scale * at.tangent
             sample = stretch.problem.probe(at, side, guess, stretch.frame, stretch.settings)
             if sample is None:
                 return None
-            values.append(slope(sample))
-        return float((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * STEP))
+            samples.append(sample)
+        return samples
 
 
-def turns(
-    extrema: Sequence[Extremum], problem: Problem, chunk: Chunk, rows: int, frame: Frame, settings: Settings
-) -> Iterator[Row]:
-    """Extrema between consecutive rows of a chunk, the first `rows` of it."""
-    z, tangents = chunk.z[:rows], chunk.tangents[:rows]
-    for extremum in extrema:
-        slopes = extremum.slopes(problem, z, tangents, frame.scale)
-        for row in np.flatnonzero(slopes[:-1] * slopes[1:] < 0.0).tolist():
-            a, b = chunk.sample(row), chunk.sample(row + 1)
-            found = extremum.locate(Stretch(problem, a, frame, settings), a, b)
-            if found is not None:
-                yield Row(row + 1, found.length, found.point, found.sample.tangent)
+def _derivative(values: Sequence[float]) -> float:
+    """The five-point difference of values at `SIDES`."""
+    return float((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * STEP))

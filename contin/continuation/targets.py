@@ -10,11 +10,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.extrema import Extremum, turns
+from contin.continuation.extrema import Extremum
 from contin.continuation.found import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.continuation.touched import touched
+from contin.continuation.turning import turns
 
 
 class Sought(Protocol):
@@ -96,6 +98,7 @@ def hits(
     extrema = [target for target in wanted if isinstance(target, Extremum)]
     yield from turns(extrema, problem, chunk, len(z) + 1, frame, settings)
     targets = [target for target in wanted if not isinstance(target, Extremum)]
+    yield from touched([t for t in targets if isinstance(t, Target)], problem, chunk, len(z) + 1, frame, settings)
     rows = np.vstack([chunk.z[:1], z])
     order: list[tuple[int, float, Array]] = [(k, -np.inf, row) for k, row in enumerate(rows)]
     order += [(mark.before, mark.length, mark.point.z) for mark in marked]

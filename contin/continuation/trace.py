@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.accounting import MET, passed_again, unexplained
 from contin.continuation.arm import Arm
+from contin.continuation.at_start import found_at_start
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.closed import until_closed
 from contin.continuation.defects import DEFECT, contained
@@ -32,7 +33,7 @@ from contin.continuation.repeating import until_repeating
 from contin.continuation.retracing import until_retracing
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Target, Wanted
+from contin.continuation.targets import Wanted
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
 from contin.records import Fields, Record
@@ -177,8 +178,7 @@ def _assemble(
         for piece in records[-1].pieces:
             rows.add_piece(piece)
         rows.reverse()
-    start_row = len(rows)
-    _add_start(rows, departure, targets)
+    start_row = _add_start(rows, departure, targets)
     if 1 in records:
         for piece in records[1].pieces:
             rows.add_piece(piece)
@@ -234,21 +234,25 @@ def _effort(records: dict[int, _ArmRecord], problem: Problem, before: Mapping[st
     }
 
 
-def _add_start(rows: Rows, departure: Departure, targets: Sequence[Wanted]) -> None:
-    """The row that both arms leave: a special point, or one where user values may be met exactly."""
-    seed, start, scale = departure.seed, departure.start, departure.scale
-    row = len(rows)
-    for item in departure.here:
+def _add_start(rows: Rows, departure: Departure, targets: Sequence[Wanted]) -> int:
+    """Add the row that both arms leave, with what is labelled there, and return its place."""
+    here, scale = found_at_start(departure, targets), departure.scale
+    before = 0 if departure.here else sum(item.length < 0.0 for item in here)
+    place = len(rows) + before
+    for item in here[:before]:
         rows.add_point(item.point, item.sample.tangent * scale, scale)
-    if departure.here:
-        return
-    count, values = _start_measured(seed, start, seed.problem)
-    rows.add_block(start.z[None], (start.tangent * scale)[None], np.array([count]), values[None])
-    for target in targets:
-        if seed.born or not isinstance(target, Target):
-            continue
-        if float(target.values(seed.problem, start.z[None])[0]) == target.value:
-            rows.label(row, Verified("UZ", start.z, 0.0, 0.0, values, count), scale)
+    if not departure.here:
+        _add_row(rows, departure)
+    for item in here[before:]:
+        rows.add_point(item.point, item.sample.tangent * scale, scale)
+    return place
+
+
+def _add_row(rows: Rows, departure: Departure) -> None:
+    """An ordinary start."""
+    start = departure.start
+    count, values = _start_measured(departure.seed, start, departure.seed.problem)
+    rows.add_block(start.z[None], (start.tangent * departure.scale)[None], np.array([count]), values[None])
 
 
 def _ends(seed: Seed, records: dict[int, _ArmRecord]) -> tuple[End, End]:

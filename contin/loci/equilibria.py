@@ -168,7 +168,8 @@ class EquilibriumBase(Base):
         except NO_FORM as reason:
             remark = f"{point.type}: its normal form could not be computed ({reason})"
             return replace(point, eigenvalues=values, unstable=unstable, remark=remark)
-        return replace(point, eigenvalues=values, unstable=unstable, normal_form=dict(form.coefficients))
+        errors = {"errors": dict(form.errors)} if form.errors else {}
+        return replace(point, eigenvalues=values, unstable=unstable, normal_form=dict(form.coefficients) | errors)
 
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         return finite_eigenvalues(self.system, values)

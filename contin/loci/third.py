@@ -22,7 +22,7 @@ from contin.loci.augmented import Scalars
 from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.point import normal_form
-from contin.normalforms.result import NO_FORM
+from contin.normalforms.result import NO_FORM, NormalForm
 from contin.problems.codim2.forms import jet_at
 from contin.problems.codim2.functions import critical_indices
 from contin.problems.codim2.matrices import eigenvalues, own_critical, scaled_matrix
@@ -88,7 +88,7 @@ def _own(problem: LocusProblem, curve: str, name: str) -> Callable[[Array], floa
     if name.startswith("DBT"):
         return lambda z: _jordan(problem, z)[name.endswith(":b")]
     if name == "DGH":
-        return lambda z: float(_form(problem, "GH", z)["l2"])
+        return lambda z: float(_form(problem, "GH", z).coefficients["l2"])
     return lambda z: _hessian(problem, z)[name.endswith(":b20")]
 
 
@@ -129,10 +129,10 @@ def _cubic(problem: LocusProblem, z: Array, v: Array, psi: Array, solve: Solve) 
     return float(psi @ (form(v, v, v) + 3.0 * form(v, h)))
 
 
-def _form(problem: LocusProblem, type_: str, z: Array) -> dict[str, float]:
+def _form(problem: LocusProblem, type_: str, z: Array) -> NormalForm:
     kappa = problem.curve.scalar(z) if problem.locus == "HB" else 0.0
     frequency = float(np.sqrt(kappa)) if kappa > 0.0 else None
-    return dict(normal_form(type_, jet_at(problem, z), frequency=frequency).coefficients)
+    return normal_form(type_, jet_at(problem, z), frequency=frequency)
 
 
 def _jordan(problem: LocusProblem, z: Array) -> tuple[float, float]:
@@ -214,9 +214,10 @@ def described(problem: LocusProblem, curve: str, point: Verified) -> Outcome:
     others = values[order[rest + more :]]
     form: dict[str, object] = {"on": curve}
     try:
-        form |= dict(branch_point(jet_at(problem, z, (problem.curve.first,))).coefficients) if curve == "BP" else dict(
+        found = branch_point(jet_at(problem, z, (problem.curve.first,))) if curve == "BP" else (
             _form(problem, "BT" if type_ == "BT" else curve, z)
         )  # fmt: skip
+        form |= dict(found.coefficients) | ({"errors": dict(found.errors)} if found.errors else {})
         remark = ""
     except NO_FORM as reason:
         remark = f"{type_}: its coefficients could not be computed ({reason})"
