@@ -184,7 +184,7 @@ class ConditionedOrbits(Conditioned):
     ) -> Renewal:
         """Mesh and sizes for the next chunk, or the Hopf point to which the orbit has shrunk."""
         if self.inner.autonomous and has_shrunk(self, origin.z, frame.scale):
-            text = f"the orbit shrank to a Hopf point near {self.parameters[0]} = {origin.z[-1]:.8g}"
+            text = f"the orbit shrank to a Hopf point near {self.parameters[0]} = {origin.z[-1]:.4g}"
             return Renewal(frame.scale, origin, before, None, End("hopf", text))
         free, widths = self.free_values(origin.z), self.free_values(frame.scale)
         for name, value, width in zip(self.free_names, free, widths, strict=True):

@@ -152,7 +152,8 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         """The end of a curve whose orbits have shrunk to a Hopf point."""
         if not self.has_shrunk(z, scale):
             return None
-        return End("hopf", f"the orbit shrank to a Hopf point near {self.place(z)}")
+        where = ", ".join(f"{k} = {v:.4g}" for k, v in zip(self.parameters, z[[-1, -2]], strict=False))
+        return End("hopf", f"the orbit shrank to a Hopf point near {where}")
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
