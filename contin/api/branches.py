@@ -73,7 +73,7 @@ def continuation(
         bounds,
         name=name,
         settings=chosen,
-        targets=[*targets_of(seed.problem, values), *extrema_of(seed.problem, extrema)],
+        targets=[*targets_of(seed, values), *extrema_of(seed, extrema)],
         watch=watch,
         journal=journal,
     )
@@ -103,7 +103,7 @@ def walk(
     problem = seed.problem
     departure = depart(seed, bounds_of(problem, parameter, range), Settings.of(settings))
     seed, problem = departure.seed, departure.seed.problem
-    ready = departure.arm(1 if direction == "up" else -1, targets_of(problem, values))
+    ready = departure.arm(1 if direction == "up" else -1, targets_of(seed, values))
     if isinstance(ready, End):
         return
     arm, pieces = ready

@@ -91,9 +91,10 @@ def diagram(
         reserve = everywhere_in(model, parameter, limits, box, parameters)
     if not seeds and not reserve:
         raise failure or NoSolutionError(f"no {_noun(model)} found in the box; give a larger box")
-    problem = (seeds[0][1] if seeds else reserve[0]).problem
+    first = seeds[0][1] if seeds else reserve[0]
+    problem = first.problem
     bounds = bounds_of(problem, parameter, range)
-    targets = targets_of(problem, values)
+    targets = targets_of(first, values)
     explorer = Explorer(
         parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal, columns=columns
     )

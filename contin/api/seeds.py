@@ -129,24 +129,26 @@ def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float,
     return lo, hi
 
 
-def targets_of(problem: object, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
+def targets_of(seed: Seed, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
     """User values as targets; every name must be a column of the branch."""
-    known = _column_names(problem)
-    targets = []
-    for column, wanted in (values or {}).items():
-        if column not in known:
-            raise InputError(f"values: unknown column {column!r}: {_advice(column, known)}")
-        targets += [Target(column, float(v)) for v in wanted]
-    return targets
+    _check_columns(seed, "values", list(values or {}))
+    return [Target(column, float(v)) for column, wanted in (values or {}).items() for v in wanted]
 
 
-def extrema_of(problem: object, columns: Sequence[str]) -> list[Extremum]:
+def extrema_of(seed: Seed, columns: Sequence[str]) -> list[Extremum]:
     """Columns to be labelled where they turn; each must be a column of the branch."""
-    known = _column_names(problem)
+    _check_columns(seed, "extrema", columns)
+    return [Extremum(column) for column in columns]
+
+
+def _check_columns(seed: Seed, key: str, columns: Sequence[str]) -> None:
+    """InputError for a name that is no column of the branch."""
+    known = _column_names(seed.problem)
+    if any(column not in known for column in columns):  # as those that a kind of solutions has on top: x.1, x.max
+        known |= set(seed.problem.columns(seed.z[None]))
     for column in columns:
         if column not in known:
-            raise InputError(f"extrema: unknown column {column!r}: {_advice(column, known)}")
-    return [Extremum(column) for column in columns]
+            raise InputError(f"{key}: unknown column {column!r}: {_advice(column, known)}")
 
 
 def _advice(column: str, known: set[str]) -> str:

@@ -23,6 +23,8 @@ TURNING = 1e-6  # part of the tangent below which the parameter stands still
 SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
 SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
 EPSILON = float(np.finfo(float).eps)
+SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
+# of rounding errors in succession
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,11 @@ class Extremum:
         """dc/ds at one sample."""
         return float(self.slopes(stretch.problem, sample.z[None], sample.tangent[None], stretch.frame.scale)[0])
 
-    def noise(self, problem: Problem, z: Array) -> float:
-        """What rounding of the column makes of its slope near z."""
-        return EPSILON * float(np.abs(self.values(problem, z[None]))[0]) / STEP
+    def rounding(self, problem: Problem, z: Array, scale: Array) -> float:
+        """What rounding of the unknowns, relative to their scales, and of the column itself makes of it near z."""
+        around = z + EPSILON * scale * SIGNS[:, np.arange(z.size) % SIGNS.shape[1]]
+        values = self.values(problem, np.vstack([z, around]))
+        return float(np.abs(values[1:] - values[0]).max() + EPSILON * abs(values[0]))
 
     def zero(self, stretch: Stretch, a: Sample, b: Sample) -> tuple[Sample, float]:
         """The point between two at which the slopes have different signs where it vanishes; how well it is known."""
@@ -72,11 +76,11 @@ class Extremum:
         if beside is None:
             return None
         bend = _derivative([self.slope(stretch, sample) for sample in beside])
-        if not self._stands_out(problem, near, beside, ends, rising):
+        rounding = self.rounding(problem, near.z, scale)
+        if not self._stands_out(problem, near, beside, ends, rising, rounding):
             return None
         size = float(np.abs(self.values(problem, near.z[None]))[0])
-        noise = self.noise(problem, near.z)
-        width += noise / abs(bend) if bend != 0.0 else 0.0
+        width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
         rate = float(near.tangent[-1] * scale[-1])
         turning = abs(float(near.tangent[-1])) <= TURNING
         form = {
@@ -90,15 +94,15 @@ class Extremum:
         return Found(stretch.length_of(near), point, near)
 
     def _stands_out(
-        self, problem: Problem, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool
-    ) -> bool:
+        self, problem: Problem, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,
+        rounding: float,
+    ) -> bool:  # fmt: skip
         """True where the column is lower (at a maximum) at the ends by more than its scatter next to the point."""
         close = np.array([*(sample.z for sample in beside), at.z])
         values = self.values(problem, close)
         s = np.array([*SIDES, 0.0]) / STEP
         fit = np.stack([np.ones_like(s), s, elementary.square(s)], axis=1)
-        scatter = float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max())
-        scatter += EPSILON * float(np.abs(values).max())
+        scatter = float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max()) + rounding
         drops = (values[-1] - self.values(problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
         return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
 

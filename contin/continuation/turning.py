@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from contin.continuation.curve import Stretch
-from contin.continuation.extrema import Extremum
+from contin.continuation.extrema import STEP, Extremum
 from contin.continuation.found import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample
@@ -70,7 +70,8 @@ def _suspicious(extremum: Extremum, problem: Problem, chunk: Chunk, rows: int, f
     slopes = extremum.slopes(problem, z, chunk.tangents[:rows], frame.scale)
     values = extremum.values(problem, z)
     a, b = slopes[:-1], slopes[1:]
-    real = np.maximum(np.abs(a), np.abs(b)) > extremum.noise(problem, z[int(np.argmax(np.abs(values)))])
+    noise = extremum.rounding(problem, z[int(np.argmax(np.abs(values)))], frame.scale) / STEP
+    real = np.maximum(np.abs(a), np.abs(b)) > noise
     changes = a * b < 0.0
     # A slope that is exactly zero at a row is an extremum there where the slopes beyond it have the other sign.
     after = np.append(slopes[2:], 0.0) if rows > 1 else np.empty(0)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.model.model import Model
@@ -67,6 +68,8 @@ def state_scales(
     rounding = _rounding(u, jacobian[:, :n]) if finite else np.zeros(n)
     motion = np.where((size <= rounding) & (motion <= STILL * rounding), 0.0, motion)
     size = np.where(size <= rounding, 0.0, size)
+    if lengths is not None and finite:
+        size = np.where(_passes_zero(size, motion, lengths, jacobian[:, :n]), 0.0, size)
     scale = np.where(size > 0.0, np.maximum(size, np.minimum(motion, SENSITIVITY_CAP * size)), motion)
     if lengths is not None:
         near = OFFSET * np.maximum(lengths, motion)
@@ -102,12 +105,26 @@ def _rounding(u: Array, matrix: Array) -> Array:
 
     A state below that is a zero: x' = -x + w(y)^2 where w(y) = 0 has x = 1e-33 in place of 0.
     """
+    condition = _condition(matrix)
+    return np.zeros(u.size) if condition is None else np.asarray(UNDETERMINED * (condition @ np.abs(u)))
+
+
+def _condition(matrix: Array) -> Array | None:
+    """|J^-1| |J|, (n, n); None where J is too nearly singular to tell."""
     try:
         condition = np.abs(np.linalg.inv(matrix)) @ np.abs(matrix)
     except np.linalg.LinAlgError:
-        return np.zeros(u.size)
+        return None
     known = np.isfinite(condition).all() and float(np.diag(condition).max()) < SINGULAR
-    return np.asarray(UNDETERMINED * (condition @ np.abs(u))) if known else np.zeros(u.size)
+    return condition if known else None
+
+
+def _passes_zero(size: Array, motion: Array, lengths: Array, matrix: Array) -> NDArray[np.bool_]:
+    """States next to nothing beside the way the parameter moves them, where that is no neighbouring fold's doing.
+
+    x' = p - 1/2 + x (...) has x = 1e-17 at p = 1/2, which is the rounding of terms that cancel: no size of x.
+    """
+    return np.asarray((size < NEGLIGIBLE * motion) & (motion <= OFFSET * lengths) & (_condition(matrix) is not None))
 
 
 def parameter_width(model: object, name: str, value: float, bounds: tuple[float, float]) -> float:

@@ -100,6 +100,19 @@ def test_a_parameter_that_is_constant_along_a_curve_turns_nowhere():
     assert abs(form["a"]) <= form["errors"]["a"]
 
 
+def test_a_parameter_that_is_zero_along_a_curve_turns_nowhere():
+    """Hopf points of x' = y, y' = a + b x + x^2 - x y: the line a = 0, on which a is 1e-49 in place of 0."""
+    model = Model(
+        "bt", states={"x": -0.5, "y": 0}, parameters={"a": -0.2, "b": -0.3},
+        equations={"x": "y", "y": "a + b*x + x^2 - x*y"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "a", (-1.0, 0.5))
+    hopf = contin.continuation(
+        line["HB1"].locus(["a", "b"]), ["a", "b"], {"a": (-1.0, 0.5), "b": (-1.5, 1.0)}, extrema=["a", "x"]
+    )
+    assert [p.type for p in hopf.points] == ["BT"]
+
+
 @pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-8])
 def test_a_value_that_is_taken_twice_within_one_step(depth: float):
     """h = (p - c)^2 is d at p = c -+ sqrt(d), and 0 at p = c, which it touches."""

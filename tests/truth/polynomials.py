@@ -33,7 +33,7 @@ class Polynomial:
         """The p in the range at which the eliminant has a repeated root, real or not, or loses its degree."""
         x, q = sympy.symbols("x p")
         discriminant = sympy.Poly(sympy.discriminant(self.eliminant, x), q)
-        return [float(r) for r in sympy.real_roots(discriminant) if RANGE[0] < float(r) < RANGE[1]]
+        return [float(r) for r in sympy.real_roots(discriminant) if abs(float(r)) <= RANGE[1] * (1.0 + 1e-12)]  # a fold may lie on a bound
 
 
 def _coefficient(generator: np.random.Generator) -> Fraction:
