@@ -7,14 +7,14 @@ halved; what is left when it cannot be halved further coincides, and is handed t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.continuation.beside import are_all, cluster_at, sides_of, vanishes_linearly
+from contin.continuation.beside import Side, are_all, cluster_at, sides_of, vanishes_linearly
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
@@ -43,6 +43,7 @@ COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
 UNPLACED = 0.05  # error of a point, as a part of the range, from which a fold may be taken for a branch point
 DEPTH = 60  # halvings of one step
+ROUNDING = 1e-14  # a test this small on both sides of an event may be zero all along
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
 
@@ -144,6 +145,7 @@ def _with_rest(
     if any(look.rounding for look in sides) or (not sides and _is_rounding(stretch, a, b)):
         yield _lost(stretch, point)
         return
+    crossing = _of_event(crossing, sides)
     reach = max((look.distance for look in sides if look.lost), default=0.0)
     if reach > 0.0:
         found = replace(found, point=replace(found.point, vectors={**found.point.vectors, "reach": reach}))
@@ -166,6 +168,15 @@ def _with_rest(
     elif cluster is not None and cluster.count > len(labelled):
         text = f"{found.point.type}: others lie about {cluster.distance:g} or less from it{words}"
         yield Note(where(stretch, point, text), hides=True)
+
+
+def _of_event(crossing: NDArray[np.bool_], sides: Sequence[Side]) -> NDArray[np.bool_]:
+    """Of the tests that change their sign, those that do so at the event, not as what is zero all along the curve."""
+    if not sides:
+        return crossing
+    zero = np.all([np.abs(side.near.tests) <= ROUNDING for side in sides], axis=0)
+    told: NDArray[np.bool_] = crossing & ~zero
+    return told if told.any() else crossing
 
 
 def _is_rounding(stretch: Stretch, a: Sample, b: Sample) -> bool:

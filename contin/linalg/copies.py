@@ -22,6 +22,9 @@ ENOUGH: Final = 8  # ... after which a nearest one beyond the reach is believed
 SLACK: Final = 1.0 + 1e-3
 INDEPENDENT: Final = 1e-8
 ROUNDED: Final = 1e-5  # of a value: imaginary parts that rounding makes of several equal real ones
+ROUNDINGS: Final = 1e3  # rounding errors of the matrix: as large an imaginary part says nothing
+EPSILON: Final = float(np.finfo(float).eps)
+INVERSE_STEPS: Final = 3  # each gains as many digits as the kernel's eigenvalues are smaller than the others
 SMALL: Final = 60  # unknowns of which all eigenvalues are computed
 
 
@@ -41,23 +44,45 @@ def with_copies(linear: Linear, n: int, found: Spectrum, reach: float) -> Spectr
         basis = np.hstack([basis, fresh])
         images = np.hstack([images, np.column_stack([linear.solve(v) for v in fresh.T])])
     if images is None or not np.all(np.isfinite(images)):
-        return found
+        return _split(found.values, found.vectors, found.certain, rounding_of(linear, n))
     theta, ritz = np.linalg.eig(basis.T @ images)
     order = np.argsort(-np.abs(theta))
-    return _split(1.0 / theta[order], basis @ ritz[:, order], found.certain)
+    return _split(1.0 / theta[order], basis @ ritz[:, order], found.certain, rounding_of(linear, n))
+
+
+def kernel(linear: Linear, near: Array) -> Array:
+    """An orthonormal basis (n, k) of the k directions that A^-1 stretches most, from vectors (n, k) near them.
+
+    Eigenvectors of equal eigenvalues may be almost the same vector; what A^-1 makes of a space is all of the kernel.
+    """
+    count, random = near.shape[1], np.random.default_rng(17)
+    basis = np.linalg.qr(near / norm(near) + random.normal(size=near.shape) / np.sqrt(near.size))[0]
+    for _ in range(INVERSE_STEPS):
+        image = np.column_stack([linear.solve(v) for v in basis.T])
+        fresh = _orthonormal(image) if np.all(np.isfinite(image)) else basis[:, :0]
+        if fresh.shape[1] < count:  # A is singular to the last digit
+            return near
+        basis = fresh
+    return basis
 
 
 def every(matrix: Array) -> Spectrum:
     """All eigenvalues of a small matrix, nearest to zero first."""
     values, vectors = np.linalg.eig(matrix)
     order = np.argsort(np.abs(values))
-    return _split(values[order], vectors[:, order], True)
+    return _split(values[order], vectors[:, order], True, EPSILON * float(np.abs(matrix).sum(axis=1).max()))
 
 
-def _split(values: Vector, vectors: Vector, certain: bool) -> Spectrum:
+def rounding_of(linear: Linear, n: int) -> float:
+    """What rounding errors of the matrix make of a well-conditioned eigenvalue: eps |A|."""
+    return EPSILON * float(np.max(linear.magnitude(np.ones(n))))
+
+
+def _split(values: Vector, vectors: Vector, certain: bool, rounding: float) -> Spectrum:
     """Pairs that rounding made of a double real eigenvalue are real again."""
     values, vectors = values.astype(complex), vectors.astype(complex)
-    for k in np.flatnonzero((values.imag > 0.0) & (values.imag <= ROUNDED * np.abs(values))).tolist():
+    pairs = (values.imag > 0.0) & (values.imag <= np.maximum(ROUNDED * np.abs(values), ROUNDINGS * rounding))
+    for k in np.flatnonzero(pairs).tolist():
         other = int(np.argmin(np.abs(values - np.conj(values[k]))))
         v = vectors[:, k]
         values[k] = values[other] = values[k].real

@@ -18,7 +18,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
-from contin.linalg.copies import SMALL, every, with_copies
+from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of, with_copies
 from contin.linalg.eigen import Region, Spectrum, followed, leading
 from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
 from contin.linalg.vectors import dot, norm
@@ -187,8 +187,11 @@ class LargeProblem(InOneParameterProblem):
         f = self.residual(z)
         return replace(here, residual=f / here.scale[:-1], rough=True) if np.all(np.isfinite(f)) else None
 
-    def spectrum(self, z: Array) -> Spectrum:
-        """Leading eigenvalues of F_u at z, from the factors of the last point if that is near."""
+    def spectrum(self, z: Array, at_zero: bool = False) -> Spectrum:
+        """Leading eigenvalues of F_u at z, from the factors of the last point if that is near.
+
+        at_zero : z is next to a branch point, where every copy of the eigenvalue nearest to zero is wanted.
+        """
         work = self.work
         linear = work.linear
         size = float(np.abs(z).max(initial=1e-300))
@@ -210,8 +213,11 @@ class LargeProblem(InOneParameterProblem):
             radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
         found = leading(linear, n, start, radius, work.reach)
         unstable = found.values[found.values.real > 0.0]
-        if unstable.size and found.certain:
-            found = with_copies(linear, n, found, float(np.abs(unstable).max()))
+        reach = float(np.abs(unstable).max(initial=0.0)) if found.certain else 0.0
+        if at_zero and found.values.size:
+            reach = max(reach, 2.0 * float(np.abs(found.values[0])), ROUNDINGS * rounding_of(linear, n))
+        if reach > 0.0:
+            found = with_copies(linear, n, found, reach)
         if found.values.size:
             work.vectors = found.vectors[:, : FOLLOWED + int(np.sum(found.values.real > 0.0))]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))

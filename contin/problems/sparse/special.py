@@ -18,6 +18,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Failure, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import InputError, NotFiniteError
+from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
 from contin.normalforms.directions import any_branch_point
@@ -36,6 +37,7 @@ ACCURACY = 1e-13  # of the last Newton correction (or where rounding stops it)
 SAMPLES = 2
 RESIDUAL_LIMIT = 1e-7
 CRITICAL = 1e-5
+VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -296,7 +298,12 @@ def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
         shifted = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
         again = reduced.branch_point(shifted)
         scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
-    spectrum = problem.spectrum(z)
+    spectrum = problem.spectrum(z, at_zero=True)
+    together = _vanishing(problem, z, spectrum.values)
+    if together > 1:  # rounding has split them, and some seem to cross next to the others
+        whole = _multiple(problem, replace(near, z=z), frame, together)
+        if isinstance(whole, Verified):
+            return whole
     k = int(np.argmin(np.abs(spectrum.values)))
     others = np.delete(spectrum.values, k)
     form = forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
@@ -305,13 +312,20 @@ def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
 
 
+def _vanishing(problem: LargeProblem, z: Array, values: NDArray[np.complex128]) -> int:
+    """How many real eigenvalues are zero to rounding."""
+    limit = VANISHING * rounding_of(linear_at(problem, z), problem.n)
+    return int(np.sum((np.abs(values) <= limit) & (values.imag == 0.0)))
+
+
 def kernel_at(problem: LargeProblem, z: Array, tangent: Array, scale: Array, k: int) -> Kernel:
     """The reduction bordered by the k eigenvectors to the eigenvalues nearest to zero.  tangent : scaled."""
-    spectrum = problem.spectrum(z)
+    spectrum = problem.spectrum(z, at_zero=True)
     nearest = np.argsort(np.abs(spectrum.values))[:k]
     if len(nearest) < k or np.any(spectrum.values[nearest].imag != 0.0):
         raise ArithmeticError(f"{k} real eigenvalues near zero were not found")
-    return Kernel.of(problem, z, np.real(spectrum.vectors[:, nearest]), tangent, scale)
+    vectors = np.real(spectrum.vectors[:, nearest])
+    return Kernel.of(problem, z, kernel(linear_at(problem, z), vectors) if k > 1 else vectors, tangent, scale)
 
 
 def _multiple(problem: LargeProblem, near: Sample, frame: Frame, k: int) -> Outcome:
@@ -330,7 +344,7 @@ def _multiple(problem: LargeProblem, near: Sample, frame: Frame, k: int) -> Outc
         moved = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
         again = replace(kernel, origin=moved).point()
         scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
-    spectrum = problem.spectrum(z)
+    spectrum = problem.spectrum(z, at_zero=True)
     others = np.delete(spectrum.values, np.argsort(np.abs(spectrum.values))[:k])
     reduction_ = ReducedJet(kernel, z).reduction
     form = any_branch_point(reduction_.jet, kernel=k, reduction=reduction_)
