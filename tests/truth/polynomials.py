@@ -30,7 +30,7 @@ class Polynomial:
         return np.array(sorted(float(r) for r in sympy.real_roots(exact)))
 
     def singular(self) -> list[float]:
-        """The p in the range, ends included, at which the eliminant has a repeated root, real or not, or loses degree."""
+        """The p in the range, ends included, at which the eliminant has a repeated root or loses degree."""
         x, q = sympy.symbols("x p")
         discriminant = sympy.Poly(sympy.discriminant(self.eliminant, x), q)
         return [float(r) for r in sympy.real_roots(discriminant) if abs(float(r)) <= RANGE[1] * (1.0 + 1e-12)]
