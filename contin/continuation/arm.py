@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
-from contin.continuation.last_step import Behind, Course, resolve
+from contin.continuation.last_step import Again, Behind, Course, resolve
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import (
@@ -182,21 +182,22 @@ class Arm:
         else:
             corner = self._beyond_corner(chunk, before) if chunk.stop is Stop.CORRECTOR else None
         resolved = self._resolved(chunk, before, corner is not None, event)
-        self.retries = 0 if self.retries == PASSING or (resolved is not None and len(chunk) > 3) else self.retries
-        if resolved is None:  # the last step jumped to another branch: again, shorter
+        plain = not isinstance(resolved, Again) and len(chunk) > 3
+        self.retries = 0 if self.retries == PASSING or plain else self.retries
+        if isinstance(resolved, Again):  # the last step jumped to another branch: again, shorter
             self.retries += 1
             self._forget(corner)
-            chunk, corner = _without_last(chunk), None
+            chunk, corner = _without_last(chunk, resolved.steps), None
             resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
-            assert resolved is not None
+            assert not isinstance(resolved, Again)
         return chunk, corner, resolved
 
     def _resolved(
         self, chunk: Chunk, before: Sample | None, corner: bool, event: Behind | None
-    ) -> tuple[Piece, End | None] | None:
+    ) -> tuple[Piece, End | None] | Again:
         """See `resolve`; where an error comes up in the last step, the arm ends before that step."""
         errors: list[str] = []
-        resolved = None
+        resolved: tuple[Piece, End | None] | Again = Again(1)
         with contained(errors.append):
             passing = self.retries == PASSING
             resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing)
@@ -204,7 +205,7 @@ class Arm:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)
         ready = resolve(self.course, rest, before, self.scale, self.loop)
-        assert ready is not None
+        assert not isinstance(ready, Again)
         return ready[0], End("corrector", f"after {self.course.position(rest.z[-1])}, {errors[0]}")
 
     def _measure_in(self, scale: Array, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
@@ -296,9 +297,9 @@ def _until_lowest(chunk: Chunk) -> Chunk:
     return replace(cut, dipped=int(tests[0]))
 
 
-def _without_last(chunk: Chunk) -> Chunk:
-    """The chunk before its last step, which is to be repeated with a quarter of its length."""
-    return chunk.cut(len(chunk) - 1, Stop.LIMIT, float(chunk.lengths[-1]) / 4)
+def _without_last(chunk: Chunk, steps: int = 1) -> Chunk:
+    """The chunk before its last steps, which are to be repeated with a quarter of the first one's length."""
+    return chunk.cut(len(chunk) - steps, Stop.LIMIT, float(chunk.lengths[-steps]) / 4)
 
 
 def _is_event(code: str) -> bool:

@@ -59,6 +59,24 @@ def sides_of(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], cross
         distance, lost = FARTHER * distance, True
 
 
+def sides_beyond(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample]) -> list[Side]:
+    """Both sides of a point in a step too short for `sides_of`, with points of the curve beyond its ends."""
+    distance, base = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE, stretch.base
+    centre, sides = stretch.length_of(point), []
+    for end in ends:
+        sense = 1.0 if stretch.length_of(end) > centre else -1.0
+        samples = [
+            stretch.problem.probe(
+                base, centre + s, point.z + s * stretch.frame.scale * point.tangent, stretch.frame, stretch.settings
+            )
+            for s in sense * distance * np.array([1.0, 0.25, FARTHER])
+        ]
+        near, nearer, far = samples
+        if near is not None and far is not None:
+            sides.append(Side(near, nearer, far, stretch.distance(point, far), distance, lost=False))
+    return sides
+
+
 def _are_told(stretch: Stretch, sides: list[Side], crossing: NDArray[np.bool_]) -> bool:
     """True where the tests of points beside a zero are larger than rounding and have its signs.
 

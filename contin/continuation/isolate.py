@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.continuation.beside import Side, are_all, cluster_at, sides_of, vanishes_linearly
+from contin.continuation.beside import Side, are_all, cluster_at, sides_beyond, sides_of, vanishes_linearly
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
@@ -158,6 +158,11 @@ def _with_rest(
                 labelled.append(item.length)
             lost |= isinstance(item, Note) and item.hides
             yield item
+    if not sides and not stretch.problem.adaptive:  # the step is short: what it cannot tell, the curve beyond it may
+        beyond = sides_beyond(stretch, point, (a, b))
+        crossing = _of_event(crossing, beyond)
+        simple = all(vanishes_linearly(stretch, point, look, crossing) for look in beyond)
+        sides = [] if simple else beyond
     told = simple or (len(labelled) > 1 and are_all(stretch, sides, crossing, labelled))
     cluster = cluster_at(stretch, point, sides, crossing) if lost or not told else None
     words = "" if cluster is None else cluster.words

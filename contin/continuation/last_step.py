@@ -66,11 +66,18 @@ class Course:
         return position(self.problem, z)
 
 
+@dataclass(frozen=True)
+class Again:
+    """So many of a chunk's last steps are to be repeated, with shorter ones."""
+
+    steps: int
+
+
 def resolve(
     course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
     event: Behind | None = None, passing: bool = False,
-) -> tuple[Piece, End | None] | None:  # fmt: skip
-    """Labels and end of a chunk; None where its last step jumped and must be repeated with a shorter one.
+) -> tuple[Piece, End | None] | Again:  # fmt: skip
+    """Labels and end of a chunk; `Again` where its last step jumped and must be repeated with a shorter one.
 
     before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
     corrector failed, the arm goes on.  event : a labelled point in the step that led to the chunk's first row.
@@ -92,7 +99,7 @@ def resolve(
         stretch = Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings)
         step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None)
         if not step.explained(chunk.sample(rows - 2) if rows >= 2 else before, passing):
-            return None
+            return Again(min(step.again, rows))
         step.finish()
         end = step.end
         if step.last is not step.marched:
@@ -129,6 +136,7 @@ class _LastStep:
     notes: list[str] = field(default_factory=list)
     jumps: list[float] = field(default_factory=list)  # arclengths, see `Note.jump`
     hiding: int = 0  # see `Note.hides`
+    again: int = 1  # steps to be repeated, where what happened is not explained
     halt: Found | None = None  # the labelled point that the arm ends at
 
     def __post_init__(self) -> None:
@@ -149,9 +157,11 @@ class _LastStep:
                 self.last, self.end = closing
         items = list(self._events(earlier))
         retry = not passing and self.chunk.lengths[-1] > SHORTEST_RETRY
-        if retry and any(isinstance(i, Note) and i.suspect for i in items):
+        suspect = [steps for i, steps in items if isinstance(i, Note) and i.suspect] if retry else []
+        if suspect:
+            self.again = max(suspect)
             return False
-        for item in items:
+        for item, _ in items:
             if isinstance(item, Note):
                 self.notes.append(item.text)
                 self.jumps += [] if item.jump is None else [item.jump]
@@ -161,25 +171,28 @@ class _LastStep:
         self.found = sorted((_anchored(f, self.chunk, self.scale) for f in self.found), key=lambda f: f.length)
         return True
 
-    def _events(self, earlier: Sample | None) -> Iterator[Found | Note]:
+    def _events(self, earlier: Sample | None) -> Iterator[tuple[Found | Note, int]]:
+        """What happened, and how many steps it takes to be before it."""
         stretch, stop = self.stretch, self.chunk.stop
         known = [*self.course.known]
         if stop is not Stop.LIMIT:
             events = list(isolate(stretch, stretch.base, self.last))
-            yield from events
+            yield from ((event, 1) for event in events)
             known += [event.point for event in events if isinstance(event, Found)]
             first = next((e for e in events if isinstance(e, Found)), None)
             if first is not None and earlier is not None:
-                yield from next_to_event(stretch, stretch.base, earlier, first.point, first.length)
+                hidden = next_to_event(stretch, stretch.base, earlier, first.point, first.length)
+                yield from ((item, 2) for item in hidden)
         if self.event is not None:
-            yield from next_to_event(stretch, stretch.base, self.last, self.event.point, self.event.length)
+            hidden = next_to_event(stretch, stretch.base, self.last, self.event.point, self.event.length)
+            yield from ((item, 1) for item in hidden)
         if stop in (Stop.DIP, Stop.EVENT) and earlier is not None:  # an event may hide a dip of another test
             low = set(dips(stretch, earlier, stretch.base, self.marched))
             for test in sorted(low | ({self.chunk.dipped} if stop is Stop.DIP else set())):
                 for item in resolve_dip(stretch, earlier, stretch.base, self.last, test):
                     place = item.at if isinstance(item, Note) else None
                     if place is None or not self._is_next_to(known, place):  # a test that only touches zero at an event
-                        yield item
+                        yield item, 1
 
     def _is_labelled(self, point: Verified) -> bool:
         here = any(same_point(self.problem, point, f.point, self.scale) for f in self.found)
