@@ -135,7 +135,8 @@ def find_return(
                 "attracts this start. Start elsewhere, change the parameters, or start from a Hopf point.",
                 path.end.copy(),
             )
-        shrinking = bool(np.all(recent < SETTLED * extent))
+        one_turn = np.where(periods > 0.0, periods, np.inf)  # more than that is no larger
+        shrinking = bool(np.all(np.minimum(recent, one_turn) < SETTLED * np.minimum(extent, one_turn)))
         found = None if shrinking else _return(system, path.end, p, periods, time, extent)
         if found is not None:
             if found[0] < best[0]:
@@ -169,12 +170,13 @@ def _return(
     unit = np.where(extent > 0.0, extent, 1.0)
     normal = system.value(u, p) / elementary.square(unit)
     normal[periods > 0.0] = 0.0
-    if not normal.any():
-        return None
-    # the fastest place of the orbit makes the best section: move there first
-    section = Section(normal, float(normal @ u), 1)
-    path = integrate(system, u, p, time, section=section, events=CROSSINGS)
-    states, times = path.event_states, path.event_times
+    if normal.any():
+        # the fastest place of the orbit makes the best section: move there first
+        section = Section(normal, float(normal @ u), 1)
+        path = integrate(system, u, p, time, section=section, events=CROSSINGS)
+        states, times = path.event_states, path.event_times
+    else:
+        states, times = _full_turns(system, u, p, periods, time, extent)
     best: tuple[float, Array, float, int] | None = None
     for k in range(1, len(states) // 2 + 1):
         difference = states[-1] - states[-1 - k]
@@ -188,6 +190,25 @@ def _return(
         if best[0] < CLOSE:
             break
     return best
+
+
+def _full_turns(
+    system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array
+) -> tuple[Array, Array]:
+    """States (k, n) and times (k,) after every full turn of the angle that turns most, where nothing but angles moves."""
+    fastest = int(np.argmax(extent / np.where(periods > 0.0, periods, np.inf)))
+    sense = 1.0 if integrate(system, u, p, time).end[fastest] > u[fastest] else -1.0
+    normal = np.zeros(system.n)
+    normal[fastest] = sense
+    states, times = [u], [0.0]
+    while len(states) <= CROSSINGS and times[-1] < time:
+        section = Section(normal, float(normal @ u) + len(states) * periods[fastest], 1)
+        path = integrate(system, states[-1], p, time - times[-1], section=section, events=1)
+        if not len(path.event_times):
+            break
+        states.append(path.event_states[-1])
+        times.append(times[-1] + float(path.event_times[-1]))
+    return np.array(states), np.array(times)
 
 
 def _forced(system: CompiledSystem, u: Array, p: Array) -> Return:

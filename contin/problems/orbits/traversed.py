@@ -64,9 +64,13 @@ def _first_look(m: int, h: bytes) -> Transfer:
 def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
     possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
+    winding = np.asarray(problem.winding)
+    if winding.any():  # a part of it must be a whole number of turns of every angle
+        angles = np.asarray(problem.system.model.periods())[: len(winding)]
+        possible = [parts for parts in possible if _are_whole(winding[winding != 0.0] / parts, angles[winding != 0.0])]
     if not possible:
         return 1
-    orbit, winding = problem.profile(z), np.asarray(problem.winding)
+    orbit = problem.profile(z)
     later, now = np.split(_first_look(orbit.m, orbit.h.tobytes())(orbit.u), 2)
     gaps, limit, each = later - now, EQUAL * _extent(orbit, winding), len(later) // len(PARTS)
     for k, parts in enumerate(PARTS):
@@ -80,6 +84,12 @@ def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float)
         if np.abs(change).max() < STANDING * step:
             return parts
     return 1
+
+
+def _are_whole(gains: Array, periods: Array) -> bool:
+    """True where every angle gains a multiple of its period."""
+    turns = gains / periods
+    return bool(np.all(np.abs(turns - np.round(turns)) < 1e-6))
 
 
 def cut_where_traversed(problem: OrbitProblem, chunk: Chunk) -> Chunk:
