@@ -195,7 +195,7 @@ def _return(
 def _full_turns(
     system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array
 ) -> tuple[Array, Array]:
-    """States (k, n) and times (k,) after every full turn of the angle that turns most, where nothing but angles moves."""
+    """States (k, n) and times (k,) after every full turn of the angle that turns most, if only angles move."""
     fastest = int(np.argmax(extent / np.where(periods > 0.0, periods, np.inf)))
     sense = 1.0 if integrate(system, u, p, time).end[fastest] > u[fastest] else -1.0
     normal = np.zeros(system.n)
