@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
+from contin.continuation.isolate import LOST_IN_ROUNDING
 from contin.continuation.last_step import Again, Behind, Course, resolve
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
@@ -25,6 +26,7 @@ from contin.continuation.problem import (
     is_planar,
 )
 from contin.continuation.targets import Target
+from contin.continuation.through_zero import ThroughZero
 from contin.linalg.vectors import dot
 from contin.special.table import special_type
 
@@ -52,7 +54,11 @@ class Arm:
     end: End | None = None
     accepted: int = 0
     retraced: int = 0  # last pieces, which are rows of the arm once more
+    zeros: ThroughZero = field(init=False)
     retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
+
+    def __post_init__(self) -> None:
+        self.zeros = ThroughZero(self.course.problem)
 
     @property
     def problem(self) -> Problem:
@@ -91,6 +97,7 @@ class Arm:
                 yield past[0]
                 origin, before, length, step, event = past[1], None, 0.0, settings.first_step, None
                 continue
+            piece = self._with_zeros(chunk, piece)
             event = _behind(chunk, piece, self.scale) if len(chunk) > 1 else event
             self.accepted += len(piece.z)
             yield piece
@@ -130,6 +137,14 @@ class Arm:
                     yield Piece.labelled(renewal.point, origin, self.scale)
             else:
                 origin, before = self._remeasured(chunk, origin, before)
+
+    def _with_zeros(self, chunk: Chunk, piece: Piece) -> Piece:
+        """The piece with a note where tests of points of codimension two have been zero to their rounding errors."""
+        if not is_planar(self.problem):
+            return piece
+        rows = self.zeros.passed(chunk, piece.found)
+        notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
+        return replace(piece, notes=(*piece.notes, *notes), hiding=piece.hiding + len(notes)) if notes else piece
 
     def _remeasured(self, chunk: Chunk, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
         """The last samples in another metric, where states have outgrown theirs."""

@@ -24,14 +24,13 @@ from math import factorial
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, lift
+from contin.normalforms.jet import Jet, Real, lift, size_of_terms
 from contin.normalforms.linear import EigenPair, solve
 from contin.normalforms.result import TRUST
 
 Index = tuple[int, ...]
 RESONANCE = 1e-6  # relative distance at which lambda.v counts as equal to lambda_j
-# A form may vanish in its direction because terms of the formulas cancel: beside it, with other signs, they do not.
-SIGNS = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0])
+LONG = 4
 ROUNDED = 16.0 * float(np.finfo(float).eps) / TRUST  # of what the terms are, in units of `TRUST`
 
 
@@ -127,12 +126,10 @@ class CentreManifold:
     def _sum_of_moduli(self, v: Index) -> Real:
         """Of the summands of R_v - S_v, component by component."""
         sizes: Real = np.zeros(self.jet.n)
-        signs = np.resize(SIGNS, self.jet.n + self.jet.parameters)
         for weight, directions in self._products(v):
             sizes = sizes + np.abs(weight * self.jet.form(*directions))
-            if len(directions) > 1:
-                aside = weight * self.jet.form(*(d * signs for d in directions))
-                sizes = sizes + ROUNDED * np.abs(aside)
+            if 1 < len(directions) < LONG:  # longer ones are evaluated along their directions: `rounding` sees theirs
+                sizes = sizes + ROUNDED * weight * size_of_terms(self.jet, *directions)
         for coefficient, u in self._transport(v):
             sizes = sizes + np.abs(coefficient * self._coefficient(u))
         return sizes

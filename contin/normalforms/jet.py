@@ -19,6 +19,7 @@ Kind: TypeAlias = Literal["flow", "map"]
 
 FEW: Final = 5  # states and parameters up to which all derivatives of one order are computed at once, ...
 TENSORS: Final = (2, 3)  # ... and the orders
+SIGNS: Final = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0])
 SINGLE: Final = 4  # forms of real directions that are evaluated one by one
 
 
@@ -82,7 +83,7 @@ class DerivativeJet:
         if order in self._tensors or (order in TENSORS and self._has_tensors and self._are_many(order, is_complex)):
             tensor = self._tensor(order)
             if tensor is not None:
-                return _contracted(tensor, directions)
+                return contracted(tensor, directions)
         if is_complex:
             return expand_complex(self._evaluate, directions, self.n)
         key = tuple(sorted([d.tobytes() for d in directions]))
@@ -111,6 +112,10 @@ class DerivativeJet:
             values = np.array(self.several(wanted), dtype=float)
             self._tensors[order] = values[places] if np.isfinite(values).all() else None
         return self._tensors[order]
+
+    def terms(self, order: int) -> Real | None:
+        """The derivatives of an order that its forms are sums of, (width^order, n); None where they are not."""
+        return self._tensors.get(order)
 
     @cached_property
     def second_sizes(self) -> Real:
@@ -142,7 +147,21 @@ def _units(width: int, order: int) -> tuple[tuple[tuple[Real, ...], ...], NDArra
     return tuple(tuple(eye[k] for k in key) for key in chosen), np.array(rows)
 
 
-def _contracted(tensor: Real, directions: tuple[Vector, ...]) -> Vector:
+def size_of_terms(jet: Jet, *directions: Vector) -> Real:
+    """How large the terms of a form are, (n,): the root of the sum of their squares, as that of their errors.
+
+    Where it is not a sum over single derivatives: the modulus of the form in directions with other signs. It may vanish
+    in its own because terms of the formulas cancel.
+    """
+    tensor = jet.terms(len(directions)) if isinstance(jet, DerivativeJet) else None
+    if tensor is not None:
+        squares = contracted(tensor * tensor, tuple(np.square(np.abs(d)) for d in directions))
+        return np.sqrt(np.asarray(squares, dtype=float))
+    signs = np.resize(SIGNS, jet.n + jet.parameters)
+    return np.abs(jet.form(*(d * signs for d in directions)))
+
+
+def contracted(tensor: Real, directions: tuple[Vector, ...]) -> Vector:
     """The multilinear form with these derivatives (width^order, n) at so many directions (width,)."""
     result: Vector = tensor
     for direction in directions:

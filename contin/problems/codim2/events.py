@@ -18,7 +18,7 @@ from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Rejected
 from contin.problems.codim2 import crossing, degenerate
 from contin.problems.codim2.fold_ends import at_fold
 from contin.problems.codim2.forms import described
-from contin.problems.codim2.functions import critical_indices, function_of
+from contin.problems.codim2.functions import critical_indices, function_of, rounding_of
 from contin.problems.codim2.matrices import eigenvalues, null_pair, scaled_matrix
 from contin.problems.codim2.solving import DIFFERENCE, ILL_CONDITIONED, RESIDUAL_LIMIT, Solution, solve
 from contin.problems.codim2.triple_zero import triple_zero
@@ -132,7 +132,10 @@ def _solved(
 ) -> Solution | None:
     """Newton on the curve's equations and the function; of BT on curves of Hopf points, with a v that is regular."""
     if type_ != "BT" or problem.locus != "HB":
-        return solve(problem, function, near, frame.scale, with_poles=type_ in WITH_POLES)
+        return solve(
+            problem, function, near, frame.scale, with_poles=type_ in WITH_POLES,
+            rounding=lambda z: rounding_of(problem, type_, z),
+        )  # fmt: skip
     curve, z = problem.curve.turned(near.z)
     solved = solve(replace(problem, curve=curve), function, replace(near, z=z), frame.scale)
     if solved is None:
@@ -158,7 +161,7 @@ def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) ->
     point = Verified(type_, z, solved.residual, error, values, unstable)
     plane = type_ == "ZH" and problem.locus != "LP" and crossing.is_forced(problem, z, frame.scale, crossing.EXACT)
     drift = None if solved.drift is None or plane else solved.drift * frame.scale
-    described_point = described(problem, point, values[critical], plane, drift)
+    described_point = described(problem, point, values[critical], frame.scale, plane, drift)
     known: dict[str, float] = {}
     if np.isfinite(solved.second):
         rounding = 0.5 * np.finfo(float).eps * abs(float(z[-2]))

@@ -12,13 +12,18 @@ from contin.problems.codim2.forms import jet_at
 from contin.problems.codim2.untold import untold
 
 if TYPE_CHECKING:
+    from contin.normalforms.jet import Jet
     from contin.problems.loci.problem import LocusProblem
 
 
 def flip_coefficient(problem: LocusProblem, z: Array) -> float:
     """The cubic coefficient of a period doubling, whose zero is a GPD."""
     try:
-        form = period_doubling(jet_at(problem, z))
+        return of_jet(jet_at(problem, z))
     except (ZeroDivisionError, np.linalg.LinAlgError) as error:
         return untold(problem, "GPD", error)
-    return float(next(v for k, v in form.coefficients.items() if k == "c"))
+
+
+def of_jet(jet: Jet) -> float:
+    """The same; raises where it has no finite value."""
+    return float(period_doubling(jet).coefficients["c"])

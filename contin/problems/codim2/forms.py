@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,20 +15,21 @@ from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.point import normal_form
-from contin.normalforms.result import NO_FORM, TRUST
+from contin.normalforms.result import NO_FORM, TRUST, NormalForm
+from contin.normalforms.rounding import apart, rounding_errors
 from contin.normalforms.sources import compiled_jet
 from contin.problems.massless import in_own_units, unit_mass, with_units
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.normalforms.jet import Jet
+    from contin.normalforms.jet import DerivativeJet, Jet
     from contin.problems.loci.problem import LocusProblem
 
 BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
 
 
 
-def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Jet:
+def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> DerivativeJet:
     """Derivatives of the model at z, in the states and the parameters `active`."""
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"
@@ -36,8 +38,9 @@ def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Jet
 
 
 def described(
-    problem: LocusProblem, point: Verified, critical: Any, plane: bool = False, drift: Array | None = None
-) -> Verified:
+    problem: LocusProblem, point: Verified, critical: Any, scale: Array, plane: bool = False,
+    drift: Array | None = None,
+) -> Verified:  # fmt: skip
     """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
 
     `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.  `drift` : estimated errors of all unknowns,
@@ -56,24 +59,29 @@ def described(
             form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
         else:
             lengths = None if drift is None else np.abs(drift[: problem.n]) / unit_mass(problem.system)
-            form = normal_form(
-                point.type, jet_at(problem, point.z, active), frequency=frequency, state_error=lengths
-            )  # fmt: skip
+            jet = jet_at(problem, point.z, active)
+            form = normal_form(point.type, jet, frequency=frequency, state_error=lengths)
     except NO_FORM as reason:
         return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
     known = dict(form.errors)
-    if drift is not None and point.type != "DP":
-        for key, change in _changes(lambda z: normal_form(point.type, jet_at(problem, z), frequency=frequency),
-                                    form, point.z, drift, problem.curve.sizes).items():  # fmt: skip
+    if point.type != "DP" and not plane:
+
+        def form_at(jet: Jet) -> NormalForm:
+            return normal_form(point.type, jet, frequency=frequency)
+
+        changes = [rounding_errors(form, form_at, jet)]
+        if drift is not None:
+            changes.append(_changes(lambda z: form_at(jet_at(problem, z)), form, point.z, drift, scale))
+        for key, change in chain.from_iterable(found.items() for found in changes):
             known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
     errors = {"errors": known} if known else {}
     own = dict(in_own_units(form.vectors, unit_mass(problem.system)))
     return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | own)
 
 
-def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, sizes: Array) -> dict[str, float]:
+def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, scale: Array) -> dict[str, float]:
     """By how much each real coefficient changes over the drift: of what order its error from that of the point is."""
-    length = float(np.linalg.norm(drift[: len(sizes)] / sizes))
+    length = float(np.linalg.norm(drift / scale))
     if not 0.0 < length < np.inf:
         return {}
     step = BESIDE / length
@@ -84,8 +92,7 @@ def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array,
     found = {}
     for key, value in form.coefficients.items():
         if isinstance(value, float) and isinstance(beside.get(key), float):
-            other = float(beside[key])  # signs depend on that of an eigenvector
-            found[key] = min(abs(other - value), abs(abs(other) - abs(value))) / step
+            found[key] = apart(value, float(beside[key])) / step
     return found
 
 

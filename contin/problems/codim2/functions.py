@@ -18,8 +18,10 @@ from contin.kernels.lyapunov import lyapunov_terms
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf
 from contin.normalforms.maps import neimark_sacker
+from contin.normalforms.result import NO_FORM
+from contin.normalforms.rounding import off_by_rounding
 from contin.problems.codim2 import degenerate
-from contin.problems.codim2.flips import flip_coefficient
+from contin.problems.codim2.flips import flip_coefficient, of_jet
 from contin.problems.codim2.forms import jet_at
 from contin.problems.codim2.matrices import (
     critical_value,
@@ -33,6 +35,7 @@ from contin.special.table import special_type
 
 if TYPE_CHECKING:
     from contin.abi import Vector
+    from contin.normalforms.jet import Jet
     from contin.problems.loci.problem import LocusProblem
 
 Function = Callable[[Array], float]
@@ -163,6 +166,31 @@ def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: 
         return untold(problem, "CH", error)
     value = float(form.coefficients["d"][0])
     return value if not beyond_error or abs(value) > float(form.errors["d"]) else 0.0
+
+
+def rounding_of(problem: LocusProblem, type_: str, z: Array) -> float:
+    """By how much the function of GPD or CH may be off for rounding errors of F_u, alike at points next to each other.
+
+    0 for other types: theirs differ from point to point.
+    """
+    if type_ not in ("GPD", "CH"):
+        return 0.0
+    cosine = problem.curve.scalar(z) if type_ == "CH" else 0.0
+    if abs(cosine) >= 1.0:
+        return 0.0
+    theta = float(elementary.acos(cosine))
+
+    def value(jet: Jet) -> float:
+        if type_ == "GPD":
+            return of_jet(jet)
+        return float(neimark_sacker(jet, theta).coefficients["d"][0])
+
+    jet = jet_at(problem, z)
+    try:
+        here = value(jet)
+        return max(abs(value(other) - here) for other in off_by_rounding(jet))
+    except NO_FORM:  # the function itself says so, in words
+        return 0.0
 
 
 def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | Rejected:

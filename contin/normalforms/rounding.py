@@ -1,0 +1,110 @@
+"""How well coefficients are known where derivatives have rounding errors, which eigenvectors and solutions amplify.
+
+An entry of a derivative is a sum of terms, each rounded. The form is computed again with entries that are off by as
+much, in fixed patterns of signs. Sums of moduli (`TRUST`) do not see that: terms that cancel with the exact
+eigenvectors do not with slightly other ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Vector
+from contin.normalforms.jet import DerivativeJet, Jet, Kind, Real, contracted
+from contin.normalforms.result import NO_FORM, NormalForm
+
+PATTERNS: Final = 3
+ROUNDING: Final = 8.0 * float(np.finfo(float).eps)  # relative, of an entry, which is itself a sum
+SAFETY: Final = 4.0  # times the largest of a few samples
+
+
+def rounding_errors(
+    form: NormalForm, form_at: Callable[[Jet], NormalForm], jet: Jet
+) -> dict[str, float]:
+    """By how much the real coefficients of form_at(jet) = `form` may be off; those that no sample has are left out."""
+    found: dict[str, float] = {}
+    for rounded in off_by_rounding(jet):
+        try:
+            other = form_at(rounded).coefficients
+        except NO_FORM:  # as for a point more degenerate than its type; the errors it has stand
+            continue
+        for key, value in form.coefficients.items():
+            if isinstance(value, float) and isinstance(other.get(key), float):
+                change = apart(value, float(other[key]))
+                found[key] = max(found.get(key, 0.0), SAFETY * change)
+    return found
+
+
+def off_by_rounding(jet: Jet) -> Iterator[Jet]:
+    """The jet with other rounding errors."""
+    for number, pattern in enumerate(_patterns(jet.n)):
+        yield RoundedJet(jet, pattern, number)
+
+
+@dataclass(frozen=True, eq=False)
+class RoundedJet:
+    """A jet whose entries are off by rounding errors, with a pattern (n, n) of signs.
+
+    Where the entries of a form are not at hand, its directions are off instead.
+    """
+
+    jet: Jet
+    pattern: Real
+    number: int  # of the pattern
+    _terms: dict[int, Real | None] = field(default_factory=dict, repr=False)
+
+    def _signs(self, shape: tuple[int, ...]) -> Real:
+        return np.random.default_rng(self.number).choice([-1.0, 1.0], shape)
+
+    @property
+    def n(self) -> int:
+        return self.jet.n
+
+    @property
+    def parameters(self) -> int:
+        return self.jet.parameters
+
+    @property
+    def kind(self) -> Kind:
+        return self.jet.kind
+
+    @property
+    def scale(self) -> Real | None:
+        return self.jet.scale
+
+    @property
+    def second_sizes(self) -> Real:
+        return self.jet.second_sizes
+
+    @cached_property
+    def A(self) -> Real:
+        return np.asarray(self.jet.A * (1.0 + ROUNDING * self.pattern))
+
+    def form(self, *directions: Vector) -> Vector:
+        order = len(directions)
+        if order not in self._terms:
+            terms = self.jet.terms(order) if isinstance(self.jet, DerivativeJet) else None
+            self._terms[order] = None if terms is None else terms * (1.0 + ROUNDING * self._signs(terms.shape))
+        known = self._terms[order]
+        if known is not None:
+            return contracted(known, directions)
+        factors = np.ones((len(directions), self.n + self.parameters))
+        for k, factor in enumerate(factors):
+            factor[: self.n] += ROUNDING * self.pattern[k % self.n]
+        return self.jet.form(*(d * factor for d, factor in zip(directions, factors, strict=True)))
+
+
+def apart(value: float, other: float) -> float:
+    """The distance of two coefficients whose sign depends on that of an eigenvector."""
+    return min(abs(other - value), abs(abs(other) - abs(value)))
+
+
+@lru_cache(maxsize=64)
+def _patterns(n: int) -> tuple[Real, ...]:
+    random = np.random.default_rng(1)
+    return tuple(random.choice([-1.0, 1.0], (n, n)) for _ in range(PATTERNS))
