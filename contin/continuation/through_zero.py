@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Problem
+
+OWN: Final = 2  # the first tests are those of turning and branching: the parameter may stand still along a curve
 
 
 @dataclass(eq=False)
@@ -27,6 +30,7 @@ class ThroughZero:
     def passed(self, chunk: Chunk, labelled: Sequence[Row]) -> list[int]:
         """Rows of the chunk at which tests are no longer zero, and which no label explains."""
         signs = np.sign(chunk.tests)
+        signs[:, :OWN] = 1.0
         if self.last is None:
             self.last = signs[0].copy()
         if not self.zeros and signs.all():
