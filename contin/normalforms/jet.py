@@ -156,7 +156,7 @@ def size_of_terms(jet: Jet, *directions: Vector) -> Real:
     tensor = jet.terms(len(directions)) if isinstance(jet, DerivativeJet) else None
     if tensor is not None:
         squares = contracted(tensor * tensor, tuple(np.square(np.abs(d)) for d in directions))
-        return np.sqrt(np.asarray(squares, dtype=float))
+        return np.asarray(np.sqrt(squares.real), dtype=float)
     signs = np.resize(SIGNS, jet.n + jet.parameters)
     return np.abs(jet.form(*(d * signs for d in directions)))
 

@@ -50,29 +50,31 @@ def test_many_points_are_found_within_their_errors(kind):
 
 
 class _Problem:
-    """Test 2 watches CH."""
+    """Test 3 watches CH."""
 
     def watch(self, type_: str) -> int | None:
-        return {"CH": 2}.get(type_)
+        return {"CH": 3}.get(type_)
 
 
-def _chunk(*tests: tuple[float, float, float]) -> object:
+def _chunk(*tests: tuple[float, float]) -> object:
+    """Rows with tests 2 and 3."""
+
     class Rows:
         pass
 
     rows = Rows()
-    rows.tests = np.array(tests)
+    rows.tests = np.array([(0.0, 1.0, *row) for row in tests])
     return rows
 
 
 @pytest.mark.parametrize(
     ("tests", "rows"),
     [
-        ([(1, 1, 2), (1, 1, 0), (1, 1, -2)], [2]),
-        ([(1, 1, 2), (1, 1, 0), (1, 1, 0), (1, 1, 2)], [3]),
-        ([(1, 1, 0), (1, 1, 0), (1, 1, 2)], []),  # never had a sign
-        ([(1, 1, 2), (1, -1, 0), (1, 1, -2)], []),  # the curve is of another kind meanwhile: beyond a BT
-        ([(1, 1, 2), (1, 1, 1), (1, 1, -1)], []),  # seen as any event
+        ([(1, 2), (1, 0), (1, -2)], [2]),
+        ([(1, 2), (1, 0), (1, 0), (1, 2)], [3]),
+        ([(1, 0), (1, 0), (1, 2)], []),  # never had a sign
+        ([(1, 2), (-1, 0), (1, -2)], []),  # the curve is of another kind meanwhile: beyond a BT
+        ([(1, 2), (1, 1), (1, -1)], []),  # seen as any event
     ],
 )
 def test_tests_that_are_zero_on_rows_between_others_are_told(tests, rows):
@@ -81,8 +83,8 @@ def test_tests_that_are_zero_on_rows_between_others_are_told(tests, rows):
 
 def test_tests_that_are_zero_across_chunks_are_told():
     looking = ThroughZero(_Problem())
-    assert looking.passed(_chunk((1, 1, 2), (1, 1, 0)), []) == []
-    assert looking.passed(_chunk((1, 1, 0), (1, 1, -2)), []) == [1]
+    assert looking.passed(_chunk((1, 2), (1, 0)), []) == []
+    assert looking.passed(_chunk((1, 0), (1, -2)), []) == [1]
 
 
 def test_a_label_explains_a_test_that_is_zero():
@@ -91,4 +93,4 @@ def test_a_label_explains_a_test_that_is_zero():
 
     looking = ThroughZero(_Problem())
     label = Row(1, 0.0, Point(), np.zeros(1))
-    assert looking.passed(_chunk((1, 1, 2), (1, 1, 0), (1, 1, -2)), [label]) == []
+    assert looking.passed(_chunk((1, 2), (1, 0), (1, -2)), [label]) == []
