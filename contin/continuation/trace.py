@@ -33,6 +33,7 @@ from contin.continuation.repeating import until_repeating
 from contin.continuation.retracing import until_retracing
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
+from contin.continuation.standing import until_standing
 from contin.continuation.targets import Wanted
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
@@ -133,7 +134,8 @@ def _position(seed: Seed, pieces: list[Piece]) -> str:
 def followed(arm: Arm, start: Array) -> Iterator[Piece]:
     """The pieces of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
     inside = within_reach(arm.problem, above_floors(arm.problem, arm.pieces(), arm, start), arm)
-    return until_retracing(until_repeating(until_closed(until_lost(inside, arm, start), arm, start), arm), arm)
+    whole = until_closed(until_lost(inside, arm, start), arm, start)
+    return until_standing(until_retracing(until_repeating(whole, arm), arm), arm)
 
 
 def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:

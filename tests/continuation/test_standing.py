@@ -1,0 +1,45 @@
+"""Families of orbits that all exist at one parameter value end; canard explosions, with other multipliers, do not."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from contin.continuation.piece import Piece
+from contin.continuation.standing import ROWS, until_standing
+
+
+def pieces(p, multiplier):
+    for value in p:
+        z = np.array([[0.0, value]])
+        yield Piece(z, z, np.zeros(1, np.int64), np.array([[1.0, multiplier]], complex), np.array([1.0, 2.0]))
+
+
+def followed(p, multiplier=1.0, kind="orbit", may_stand=False):
+    problem = SimpleNamespace(kind=kind, may_stand=may_stand, parameters=("p",))
+    arm = SimpleNamespace(problem=problem, end=None)
+    arm.is_over = lambda: arm.end is not None
+    return len(list(until_standing(pieces(p, multiplier), arm))), arm.end
+
+
+STANDING = 0.5 + 1e-12 * np.arange(2 * ROWS)
+
+
+def test_a_continuum_ends():
+    rows, end = followed(STANDING)
+    assert rows == ROWS
+    assert end.reason == "degenerate"
+    assert "all exist at p = 0.5: they are a continuum" in end.text
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"multiplier": 0.3}, {"kind": "equilibrium"}, {"may_stand": True}],
+    ids=["canard", "equilibria", "first integral"],
+)
+def test_other_branches_go_on(options):
+    assert followed(STANDING, **options) == (2 * ROWS, None)
+
+
+def test_a_parameter_that_moves_goes_on():
+    assert followed(0.5 + 1e-6 * np.arange(2 * ROWS)) == (2 * ROWS, None)
