@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.looking_again import is_linear, solved
 from contin.continuation.problem import Sample
@@ -143,11 +144,13 @@ def cluster_at(stretch: Stretch, point: Sample, sides: Sequence[Side], crossing:
 
     Beside k zeros that spread over r the power at distance d is k (1 +- r/d) on the two sides: their mean is k to first
     order. An odd power changes the test's sign, an even one does not. Where the step ends next to the point there is
-    one side, which must be twice as near to a whole number.
+    one side, which must be twice as near to a whole number: twice its power at a distance less that at
+    half of it, in which r/d is not.
     """
     if not sides or len({side.distance for side in sides}) > 1:
         return None
     distance, narrow = sides[0].distance, min(side.width for side in sides)
+    nearer: Array | None = None
     while DOUBLE * distance < narrow:
         pairs = [stretch.several(point, s.far, (distance / s.width, DOUBLE * distance / s.width)) for s in sides]
         tests = [sample.tests[crossing] for pair in pairs for sample in pair if sample is not None]
@@ -157,6 +160,9 @@ def cluster_at(stretch: Stretch, point: Sample, sides: Sequence[Side], crossing:
             powers = np.array([log(tests[k + 1] / tests[k]) for k in range(0, len(tests), 2)]) / log(DOUBLE)
         powers = np.where(np.isfinite(powers), powers, np.nan)
         mean = powers.mean(axis=0)
+        if len(sides) == 1 and nearer is not None:
+            mean = 2.0 * mean - nearer
+        nearer = powers.mean(axis=0)
         counts = np.round(mean)
         whole = (np.abs(mean - counts) < WHOLE * len(sides)) & (counts > 0.0) & (np.ptp(powers, axis=0) < SPREAD)
         if len(sides) == 2:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class Stretch:
     base: Sample
     frame: Frame
     settings: Settings
+    halved: list[float] = field(default_factory=list)  # lengths of the parts that were halved to tell events apart
 
     def length_of(self, sample: Sample) -> float:
         """The parameter s of a point."""

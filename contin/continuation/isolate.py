@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contin.continuation.beside import Side, are_all, cluster_at, sides_beyond, sides_of, vanishes_linearly
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
-from contin.continuation.digits import unresolved
+from contin.continuation.digits import turning_alone, unresolved
 from contin.continuation.found import Found, Note, anchored_on_branch, at_point, where
 from contin.continuation.looking_again import (
     is_clear,
@@ -43,6 +43,7 @@ COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
 UNPLACED = 0.05  # error of a point, as a part of the range, from which a fold may be taken for a branch point
 DEPTH = 60  # halvings of one step
+HALVINGS = 600  # ... in all: where tests are rounding, every half has changes of its own
 ROUNDING = 1e-14  # a test this small on both sides of an event may be zero all along
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
@@ -59,8 +60,16 @@ def isolate(
     beside : events of the same step that are known already: a change that leads to one of them again is rounding.
     """
     types = stretch.problem.explain(a, b)
-    if types == () or any(unresolved(stretch.problem, row.eigenvalues[None]).any() for row in (a, b)):
+    if types == ():
         return
+    if any(unresolved(stretch.problem, row.eigenvalues[None]).any() for row in (a, b)):
+        if not stretch.problem.multiplied_out:  # the branch ends there, in words
+            return
+        a, b = turning_alone(a), turning_alone(b)
+        types = stretch.problem.explain(a, b)
+        if types == ():
+            yield _lost(stretch, a)
+            return
     width = stretch.distance(a, b)
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
@@ -86,9 +95,10 @@ def isolate(
         else:
             yield Note(where(stretch, low, verified.reason))
         return
-    if width <= COINCIDENT or depth >= DEPTH:
+    if width <= COINCIDENT or depth >= DEPTH or len(stretch.halved) >= HALVINGS:
         yield from _compound(stretch, a, b, "changes that could not be told apart")
         return
+    stretch.halved.append(width)
     middle: Sample | None = None
     for fraction in (0.5, 0.382, 0.618, 0.25, 0.75):
         middle = stretch.between(a, b, fraction) or middle

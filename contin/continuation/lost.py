@@ -132,7 +132,9 @@ class _Record:
         return self._stop(len(piece.z) - 1, piece, "bound", text)
 
     def _unresolved(self, piece: Piece) -> _Stop | None:
-        """A cycle of a map, mostly a growing one, whose multipliers have no digits left."""
+        """A cycle of a map, mostly a growing one, whose multipliers have no digits left; orbits by shooting go on."""
+        if self.arm.problem.multiplied_out:
+            return None
         lost = np.flatnonzero(unresolved(self.arm.problem, piece.eigenvalues))
         if not lost.size:
             return None

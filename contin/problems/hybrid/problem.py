@@ -53,6 +53,7 @@ class HybridOrbits(OfFixedPoints):
     """Fixed points (`inner`) of the map of a cycle of events, as periodic orbits."""
 
     kind = "orbit"
+    multiplied_out = True
     maximum_chunk = 10
 
     @property

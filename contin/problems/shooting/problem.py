@@ -69,6 +69,8 @@ class ShootingProblem(FamilyOfOrbits):
     Cost of a Newton step: M trajectories with n + 1 variations, and a dense solve of size M n + 2.
     """
 
+    multiplied_out = True
+
     count: int = 1
     multiple: int = 1
     accuracy: float = ACCURACY
