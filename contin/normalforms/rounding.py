@@ -20,7 +20,7 @@ from contin.normalforms.result import NO_FORM, NormalForm
 
 PATTERNS: Final = 3
 ROUNDING: Final = 8.0 * float(np.finfo(float).eps)  # relative, of an entry, which is itself a sum
-SAFETY: Final = 4.0  # times the largest of a few samples
+SAFETY: Final = 6.0  # times the largest of a few samples
 
 
 def rounding_errors(

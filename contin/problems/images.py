@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
 SAME = 1e-7  # relative difference from which two points are two
+NEXT_TO_ZERO = 1e-6  # of the scale of an unknown
 STEP = 1e-6  # of the difference quotient that maps tangents, relative to the point
 
 
@@ -27,11 +28,11 @@ def images(branch: Branch) -> list[Branch]:
     Symmetries that have the same image there (a group of several) give one branch, named after the first.
     """
     found: list[Branch] = []
+    scales = _scales(branch)
     declared = symmetry_names(branch.problem) if branch.parent is not None else ()
     for name in (s for s in branch.symmetries if s in declared):
         candidate = image(branch, name)
-        size = float(np.nanmax(np.abs(candidate.z[:, :-1]), initial=0.0))
-        if not any(np.allclose(candidate.z, other.z, rtol=SAME, atol=SAME * size, equal_nan=True) for other in found):
+        if not any(_are_alike(candidate.z, other.z, scales) for other in found):
             found.append(candidate)
     return found
 
@@ -42,7 +43,7 @@ def images_through(branch: Branch, z: Array, known: Iterable[Branch]) -> list[Br
     Where symmetries map several branches through a point onto each other, one is computed and these are the rest.
     """
     found: list[Branch] = []
-    size = np.maximum(np.abs(branch.z), 1e-6 * float(np.nanmax(np.abs(branch.z))))
+    size = np.maximum(np.abs(branch.z), NEXT_TO_ZERO * _scales(branch))
     for name in every_symmetry(branch.problem):
         mapped = apply_symmetry(branch.problem, name, branch.z)
         others = [b.z for b in (*known, *found) if b.z.shape == mapped.shape]
@@ -51,6 +52,21 @@ def images_through(branch: Branch, z: Array, known: Iterable[Branch]) -> list[Br
         if np.any(np.all(np.abs(mapped - z) <= SAME * np.maximum(size, np.abs(z)), axis=1)):
             found.append(image(branch, name))
     return found
+
+
+def _are_alike(a: Array, b: Array, scales: Array) -> bool:
+    known = np.isfinite(a) & np.isfinite(b)
+    same = np.abs(a - b) <= SAME * np.maximum(np.abs(b), scales)
+    return bool(np.all(same | ~known) and np.array_equal(np.isfinite(a), np.isfinite(b)))
+
+
+def _scales(branch: Branch) -> Array:
+    """Of the unknowns, in the metric of the branch's problem at its ends and middle: 1e-15 and -1e-15 may be two."""
+    z = branch.z
+    bounds = float(np.nanmin(z[:, -1])), float(np.nanmax(z[:, -1]))
+    rows = (row for row in (z[0], z[len(z) // 2], z[-1]) if np.all(np.isfinite(row)))
+    scales = [branch.problem.initial_scale(row, bounds) for row in rows]
+    return np.asarray(np.max(scales, axis=0)) if scales else np.nanmax(np.abs(z), axis=0)
 
 
 def image(branch: Branch, symmetry: str) -> Branch:
