@@ -9,7 +9,8 @@ import contin
 def exchange(x: float, y: float) -> contin.Model:
     """Two cells in units x and y; of the symmetries one changes the sign of x alone."""
     return contin.Model(
-        "cells", states={"x": 0.0, "y": 0.0}, parameters={"p": {"value": -0.5, "range": [-0.5, 1.5]}},
+        "cells", states={"x": {"value": 0.0, "scale": x}, "y": {"value": 0.0, "scale": y}},
+        parameters={"p": {"value": -0.5, "range": [-0.5, 1.5]}},
         equations={
             "x": f"p*x - x^3/{x * x!r}", "y": f"(p - 0.5)*y - y^3/{y * y!r} - 0.1*y*x^2/{x * x!r}",
         },
