@@ -14,17 +14,15 @@ from contin.errors import NoSolutionError
 from contin.problems.orbits.simulation import BUDGET, LONGEST, find_return, orbit_by_simulation, refuse_chance
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.layout import Nodes, make_scale
+from contin.problems.shooting.number_of_segments import enough, split
 from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.segments import Segments
 from contin.records import Fields
 from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
-GROWTH = 1e3  # of perturbations in a segment, above which more segments are taken
-MOST = 64
 AT_REST = 1e-9
 
 
@@ -102,7 +100,7 @@ def orbit_from_return(
     z = Nodes(u[None], period, normal, offset, float(p[0])).vector()
     fraction = quietest(problem, z) if problem.autonomous else 0.0
     sizes = problem.state_sizes(problem.profile(z))
-    count = segments or _enough(problem, z)
+    count = segments or enough(problem, z)
     problem = replace(problem, count=count)
     z = split(problem, z, count)
     if problem.autonomous:
@@ -118,25 +116,3 @@ def orbit_from_return(
     if problem.autonomous and not winding.any() and float(np.max(extent / sizes)) < AT_REST:
         raise NoSolutionError("the closed orbit is an equilibrium: start further away from it")
     return ShotOrbit(system, Nodes.of(solved, len(u)), np.array(p, dtype=float), winding, multiple)
-
-
-def _enough(problem: ShootingProblem, z: Array) -> int:
-    """As many segments as keep perturbations in each from growing by more than GROWTH."""
-    count = 1
-    while count < MOST:
-        segments = Segments.of(replace(problem, count=count), split(problem, z, count))
-        if segments is None or float(np.abs(segments.transitions).max()) < GROWTH:
-            break
-        count *= 2
-    return count
-
-
-def split(problem: ShootingProblem, z: Array, count: int) -> Array:
-    """The same orbit with another number of segments."""
-    from contin.problems.shooting.sampling import states
-
-    nodes = Nodes.of(z, problem.n)
-    if nodes.count == count:
-        return z
-    one = replace(problem, count=nodes.count)
-    return replace(nodes, u=states(one, z, np.arange(count) / count)).vector()

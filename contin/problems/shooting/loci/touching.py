@@ -17,7 +17,7 @@ from contin.machine import elementary
 from contin.problems.shooting.grazing import surface
 from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import flights
-from contin.problems.shooting.start import split
+from contin.problems.shooting.number_of_segments import split
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
