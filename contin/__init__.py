@@ -12,7 +12,7 @@ from contin._version import __version__
 
 _EXPORTS = {
     "ContinError": "contin.errors",
-    "FunctionProblem": "contin.problems.functions.problem",
+    "FunctionProblem": "contin.systems.functions.function_problem",
     "InputError": "contin.errors",
     "Model": "contin.model.model",
     "average": "contin.symbolic.averaging.average",
@@ -24,10 +24,10 @@ _EXPORTS = {
     "equilibrium": "contin.api",
     "find_equilibria": "contin.api",
     "find_start": "contin.api",
-    "from_autograd": "contin.problems.functions.automatic",
-    "from_casadi": "contin.problems.functions.automatic",
-    "from_jax": "contin.problems.functions.automatic",
-    "from_petsc": "contin.problems.functions.petsc",
+    "from_autograd": "contin.systems.functions.automatic",
+    "from_casadi": "contin.systems.functions.automatic",
+    "from_jax": "contin.systems.functions.automatic",
+    "from_petsc": "contin.systems.functions.petsc",
     "load": "contin.model.registry",
     "lyapunov": "contin.exponents.lyapunov",
     "manifold": "contin.api",

@@ -24,7 +24,7 @@ MODULES: Final = {
     "exchange": "contin.exchange.registry",  # a model's name may be that of a foreign file, whose reader makes a model
     "auto start": "contin.api.auto_start",  # simulates to rest, to a cycle, searches: few starts need that
     "conditions": "contin.api.conditions",  # few runs have conditions
-    "columns of orbits": "contin.problems.conditioned.asked",  # families of orbits have them
+    "columns of orbits": "contin.problems.conditioned.requested_columns",  # families of orbits have them
     "simulations": "contin.runs.simulations",  # few runs simulate; integrators
     "notebook branches": "contin.notebook.branches",  # how a result looks is asked for in notebooks only
     "notebook models": "contin.notebook.models",
@@ -37,8 +37,8 @@ MODULES: Final = {
     "drawn sweeps": "contin.plot.sweep",
     "drawn exponents": "contin.plot.exponents",
     "drawn scans": "contin.plot.scan",
-    "boundary": "contin.bvp.start",  # a run of a boundary-value problem starts from a guess of functions
-    "responses": "contin.problems.responses",  # ... of a forced flow from what a trajectory settles on
+    "boundary": "contin.bvp.from_guess",  # a run of a boundary-value problem starts from a guess of functions
+    "responses": "contin.search.forced_responses",  # ... of a forced flow from what a trajectory settles on
     "large cycles": "contin.transitions.large_cycles",  # sparse matrices of scipy, 0.2 s: few orbits are large
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other
 }

@@ -31,17 +31,17 @@ settings.load_profile("contin")
 
 FAST = """
     continuation kernels lowering machine model normalforms simulate symbolic
-    problems/functions problems/loci problems/maps/test_maps.py problems/test_corners.py
-    problems/test_start.py problems/orbits/test_defining.py problems/orbits/test_ends.py problems/orbits/test_meshes.py
-    problems/orbits/test_planar.py diagram/test_diagram.py diagram/phase/test_plane.py store/test_sqlite.py
+    systems/functions loci/equilibria problems/maps/test_maps.py problems/equilibria/test_corners.py
+    problems/orbits/test_defining.py problems/orbits/test_ends.py problems/orbits/test_meshes.py
+    search/test_equilibrium_from_guess.py diagram/test_diagram.py diagram/phase/test_plane.py store/test_sqlite.py
     cli/test_bad_input.py special
 """.split()
 SLOW = """
     kernels/test_library.py lowering/test_alike.py machine/test_no_libm.py model/test_fuzz.py model/test_kept.py
-    model/test_printing.py normalforms/test_multiple.py normalforms/test_two_modes.py problems/functions/test_trials.py
-    problems/loci/test_invariance.py problems/loci/test_normal_forms.py problems/loci/test_published.py
-    problems/test_labels.py simulate/test_scan.py symbolic/test_averaging_one.py symbolic/test_averaging_several.py
-    symbolic/test_derived.py symbolic/test_reach.py symbolic/test_remove_singularities.py symbolic/test_second_order.py
+    model/test_printing.py normalforms/test_multiple.py normalforms/test_two_modes.py systems/functions/test_trials.py
+    loci/equilibria/test_invariance.py loci/equilibria/test_normal_forms.py loci/equilibria/test_published.py
+    problems/equilibria/test_labels.py simulate/test_scan.py symbolic/test_averaging_one.py
+    symbolic/test_averaging_several.py symbolic/test_derived.py symbolic/test_reach.py symbolic/test_remove_singularities.py symbolic/test_second_order.py
 """.split()
 HERE = Path(__file__).parent
 

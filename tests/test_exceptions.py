@@ -8,7 +8,19 @@ import contin
 
 ROOT = Path(contin.__file__).parent
 BROAD = {"Exception", "BaseException"}
-NUMERIC = {"api", "continuation", "diagram", "loci", "normalforms", "problems", "simulate", "transitions"}
+NUMERIC = {
+    "api",
+    "continuation",
+    "diagram",
+    "homoclinic",
+    "loci",
+    "normalforms",
+    "problems",
+    "search",
+    "simulate",
+    "systems",
+    "transitions",
+}
 NOTHING = (None, False, 0, 0.0, "")
 
 

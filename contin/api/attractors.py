@@ -12,10 +12,10 @@ from contin.api.auto_start import FoundStart, find_start
 from contin.api.fixed_totals import for_branches
 from contin.api.searches import find_equilibria
 from contin.errors import ContinError, NoSolutionError
-from contin.problems.functions.problem import FunctionProblem
-from contin.problems.start import Equilibrium
 from contin.records import Record
+from contin.search.equilibrium_from_guess import Equilibrium
 from contin.simulate.relax import relax
+from contin.systems.functions.function_problem import FunctionProblem
 
 MOST: Final = 4
 SAME: Final = 1e-5  # relative difference of two states that are one

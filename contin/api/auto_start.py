@@ -25,15 +25,15 @@ from contin.continuation.told import Told
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
-from contin.problems.functions.problem import FunctionProblem
-from contin.problems.orbits.samples import orbit_from_samples
-from contin.problems.orbits.start import PeriodicOrbit
-from contin.problems.shooting.start import ShotOrbit, settled_orbit
-from contin.problems.start import Equilibrium, converge
+from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.records import Record
+from contin.search.equilibrium_from_guess import Equilibrium, converge
+from contin.search.orbit_from_samples import orbit_from_samples
+from contin.search.shot_orbit import ShotOrbit, settled_orbit
 from contin.simulate.natural import natural_metric
 from contin.simulate.relax import Relaxed, relax, stiff_loop
 from contin.symbolic.passes.translations import translation_notes
+from contin.systems.functions.function_problem import FunctionProblem
 from contin.systems.iterate import iterate
 
 AT_REST: Final = 1e-3  # part of a state's size that Newton may move a state that is given as a rest

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from contin.abi import Array
-from contin.bvp.start import BoundaryGuess, boundary_guess
+from contin.bvp.from_guess import BoundaryGuess, boundary_guess
 from contin.model.model import Model
 
 

@@ -8,17 +8,17 @@ import numpy as np
 
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.loci import of_orbits, of_points
+from contin.loci.augmented import of_orbits, of_points
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.loci.orbits.orbit_locus import OrbitLocusProblem
 from contin.model.model import Model
 from contin.model.relations import relations
-from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.conditioned.equilibria import ConditionedEquilibria
 from contin.problems.conditioned.orbits import ConditionedOrbits
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.loci.problem import LocusProblem
-from contin.problems.orbits.functionals import OrbitConditions
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.equilibria.algebraic import AlgebraicProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.measured.functionals import OrbitConditions
 
 
 def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str]) -> Seed:

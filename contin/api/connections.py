@@ -9,24 +9,24 @@ import numpy as np
 
 from contin.abi import Array
 from contin.api.starts import equilibrium
-from contin.bvp.connections import CycleConnection
 from contin.continuation.branch import SpecialPoint
 from contin.errors import ExpressionError, InputError
+from contin.homoclinic.cycle_connections import CycleConnection
+from contin.homoclinic.cycle_ends import Cycle, Rest
+from contin.homoclinic.from_saddles import ConnectingOrbit
+from contin.homoclinic.from_table import Path
+from contin.homoclinic.reversor import reversor_of
+from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.homoclinic.several_pulses import Pulses
 from contin.lowering.system import CompiledSystem
 from contin.model.expression import Expression
 from contin.model.kinds import need_time
 from contin.model.model import Model
 from contin.model.parser import parse
-from contin.problems.orbits.cycle_ends import Cycle, Rest
-from contin.problems.orbits.frame import system_of_orbits
-from contin.problems.orbits.homoclinic.problem import ConnectionProblem
-from contin.problems.orbits.homoclinic.pulses import Pulses
-from contin.problems.orbits.homoclinic.reversor import reversor_of
-from contin.problems.orbits.homoclinic.start import ConnectingOrbit
-from contin.problems.orbits.homoclinic.table import Path
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.start import Equilibrium
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.corotating import system_of_orbits
 from contin.records import Record
+from contin.search.equilibrium_from_guess import Equilibrium
 
 LARGEST_TRUNCATION: Final = 0.1
 MOST_PULSES: Final = 5

@@ -20,10 +20,10 @@ from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteErr
 from contin.limits import check_count
 from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.deflated import beside, is_new
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.sparse.problem import LargeProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.records import Record
+from contin.search.deflated_newton import beside, is_new
 
 MOST: Final = 200  # branches
 MOVED: Final = (1e-2, 0.1, -0.1, 0.5, -0.5, 0.5)  # sizes, by which guesses are moved off what is deflated

@@ -23,13 +23,13 @@ from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.model.advice import closest
 from contin.model.kinds import need_time
-from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.as_dense import SMALL
-from contin.problems.sparse.start import as_small
-from contin.problems.start import Equilibrium
 from contin.problems.symmetry_group import group_note
 from contin.records import Record
+from contin.search.equilibrium_from_guess import Equilibrium
+from contin.search.large_equilibrium import as_small
 from contin.symbolic.passes.conserved import conserved_notes
+from contin.systems.functions.function_problem import FunctionProblem
 
 if TYPE_CHECKING:
     from contin.continuation.problem import Problem

@@ -9,7 +9,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.branch import Branch, End
 from contin.lowering.system import CompiledSystem
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.manifolds.iterated import Grown, MapCurve
 from contin.problems.manifolds.segments import Grower, Segment, curve, disc
 

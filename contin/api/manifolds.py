@@ -14,13 +14,13 @@ from contin.continuation.branch import Branch, SpecialPoint
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
 from contin.lowering.system import CompiledSystem
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.manifolds.eigenspace import Eigenspace, Side, eigenspace
 from contin.problems.manifolds.iterated import MapCurve, MapOfFormulas
 from contin.problems.manifolds.segments import FromRest, Grower
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.start import Equilibrium
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.records import Record
+from contin.search.equilibrium_from_guess import Equilibrium
 
 SIDES: Final = ("stable", "unstable")
 SPACING: Final = 0.05  # of the length: between neighbouring segments of a surface

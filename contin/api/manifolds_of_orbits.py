@@ -7,14 +7,14 @@ import numpy as np
 from contin.api.manifold_tables import branch_of, of_map, of_surface, too_short
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.errors import InputError
+from contin.homoclinic.cycle_ends import Cycle
 from contin.kernels.clock import computing_time
 from contin.lowering.system import CompiledSystem
 from contin.problems.manifolds.eigenspace import Side, eigenspace
 from contin.problems.manifolds.iterated import MapCurve
 from contin.problems.manifolds.segments import FromCycle, Grower, Segment, disc
 from contin.problems.manifolds.stroboscope import Stroboscope
-from contin.problems.orbits.cycle_ends import Cycle
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 
 
 def of_forced(

@@ -15,11 +15,11 @@ from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.model.model import Model
-from contin.problems.hybrid.start import HybridOrbit, hybrid_orbit
-from contin.problems.orbits.samples import orbit_from_samples
-from contin.problems.orbits.start import PeriodicOrbit
-from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
+from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.records import Fields, Record
+from contin.search.hybrid_orbit import HybridOrbit, hybrid_orbit
+from contin.search.orbit_from_samples import orbit_from_samples
+from contin.search.shot_orbit import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.simulate.consistent import consistent_start
 from contin.symbolic.passes.corotating import frame_for, of_orbits
 

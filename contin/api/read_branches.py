@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Vector
 from contin.continuation.branch import Branch, End, ImageOf, Parent, SpecialPoint
-from contin.continuation.stored import StoredProblem
+from contin.continuation.stored_problem import StoredProblem
 from contin.records import Record
 from contin.store.solutions import Solutions
 

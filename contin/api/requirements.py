@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contin.errors import InputError
 from contin.model.model import Model
-from contin.problems.functions.problem import FunctionProblem
+from contin.systems.functions.function_problem import FunctionProblem
 
 
 def need_parameters(model: Model) -> None:

@@ -12,8 +12,8 @@ from contin.api.searches import reach_of
 from contin.continuation.departure import Seed
 from contin.diagram.orbits import known_orbit
 from contin.errors import ContinError
-from contin.problems.deflation import make_box
-from contin.problems.responses import Response, response
+from contin.search.equilibria_in_box import make_box
+from contin.search.forced_responses import Response, response
 
 SCATTERED: Final = 12  # trajectories at each value of the parameter
 

@@ -11,8 +11,8 @@ from contin.api.fixed_totals import for_branches
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.model.kinds import need_states
-from contin.problems.deflation import FoundEquilibrium, find, make_box
 from contin.records import Record
+from contin.search.equilibria_in_box import FoundEquilibrium, find, make_box
 from contin.simulate.natural import natural_metric
 
 USUAL: Final = 0.5  # half of the box of a state about which nothing is known

@@ -11,12 +11,12 @@ from contin.api.fixed_totals import varying
 from contin.api.starts import equilibrium
 from contin.continuation.branch import LocusStart
 from contin.continuation.departure import Seed
-from contin.continuation.extrema import Extremum
-from contin.continuation.targets import Target
+from contin.continuation.location.extrema import Extremum
+from contin.continuation.location.targets import Target
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.model import Model
-from contin.problems.functions.problem import FunctionProblem
+from contin.systems.functions.function_problem import FunctionProblem
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
 

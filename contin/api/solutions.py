@@ -16,7 +16,7 @@ from contin.records import Record
 def solution(model: Any, start: Any, parameters: Record | None) -> Any:
     """An equilibrium; of a forced flow the periodic response that its trajectory settles on.
 
-    Raises as `contin.equilibrium` and `contin.problems.responses.response` do.
+    Raises as `contin.equilibrium` and `contin.search.forced_responses.response` do.
     """
     if is_auto(model, start):
         return module("auto start").find_start(model, parameters)

@@ -12,12 +12,12 @@ from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_states
-from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import sparse_function
-from contin.problems.sparse.start import converge_large
-from contin.problems.start import converge
 from contin.records import Record
+from contin.search.equilibrium_from_guess import converge
+from contin.search.large_equilibrium import converge_large
 from contin.symbolic.passes.corotating import frame_for
+from contin.systems.functions.function_problem import FunctionProblem
 from contin.systems.iterate import iterate
 
 DENSE_UP_TO = 1000  # states of maps

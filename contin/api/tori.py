@@ -16,10 +16,10 @@ from contin.errors import InputError, NoSolutionError
 from contin.kernels.clock import computing_time
 from contin.lowering.system import CompiledSystem
 from contin.model.model import Model
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.records import Record
 from contin.simulate.flight import forcing_period
 from contin.systems.iterate import IteratedSystem

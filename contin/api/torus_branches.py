@@ -11,7 +11,7 @@ from contin.abi import Array, Vector
 from contin.continuation.branch import Branch, End, Parent
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.records import Record
 from contin.tori.ends import Row, Stop
 from contin.tori.equations import Circle, Metric

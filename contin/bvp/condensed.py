@@ -22,7 +22,7 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:
-    from contin.bvp.problem import BoundaryProblem
+    from contin.bvp.boundary_problem import BoundaryProblem
 
 
 @dataclass(frozen=True, eq=False)

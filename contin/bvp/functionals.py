@@ -11,12 +11,12 @@ from contin.abi import Array
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.expression import Expression
-from contin.problems.orbits.columns import of_one_size
-from contin.problems.orbits.layout import node_weights
-from contin.problems.orbits.peaks import extrema
+from contin.problems.orbits.measured.columns import of_one_size
+from contin.problems.orbits.mesh.layout import node_weights
+from contin.problems.orbits.mesh.peaks import extrema
 
 if TYPE_CHECKING:
-    from contin.bvp.problem import BoundaryProblem
+    from contin.bvp.boundary_problem import BoundaryProblem
 
 
 def columns_of(problem: BoundaryProblem, z: Array) -> dict[str, Array]:

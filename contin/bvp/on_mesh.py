@@ -18,13 +18,13 @@ from contin.kernels.collocation import LANES, evaluate, new_points, residual
 from contin.kernels.collocation_basis import basis
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear
-from contin.problems.orbits.layout import Profile
-from contin.problems.sparse.problem import LargeLinearisation
+from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.sparse.large_equilibrium import LargeLinearisation
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from contin.bvp.problem import BoundaryProblem
+    from contin.bvp.boundary_problem import BoundaryProblem
 
 
 @dataclass(frozen=True, eq=False)

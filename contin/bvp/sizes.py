@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 
 if TYPE_CHECKING:
-    from contin.bvp.problem import BoundaryProblem
+    from contin.bvp.boundary_problem import BoundaryProblem
 
 UNNOTICED: Final = 1e-11  # part of the noticed size that may be what remains of a zero after a Newton step
 

@@ -27,7 +27,7 @@ from contin.model.expression import ZERO, Expression, call, number, power, subst
 from contin.model.functionals import condition_count
 from contin.model.model import Model
 from contin.model.parts import TIME, Forcing, Interval, State
-from contin.problems.orbits.forcing import ForcingPeriod
+from contin.problems.orbits.forcing_period import ForcingPeriod
 
 INTEGRALS = ("integral", "mean", "norm")
 

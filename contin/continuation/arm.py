@@ -11,10 +11,11 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
-from contin.continuation.isolate import LOST_IN_ROUNDING
 from contin.continuation.last_step import Again, Behind, Course, resolve
+from contin.continuation.location.isolate import LOST_IN_ROUNDING
+from contin.continuation.location.targets import Target
+from contin.continuation.location.through_zero import ThroughZero
 from contin.continuation.metric import measured_in, outgrown, travelled
-from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import (
     Chunk,
     Corner,
@@ -25,8 +26,7 @@ from contin.continuation.problem import (
     Verified,
     is_planar,
 )
-from contin.continuation.targets import Target
-from contin.continuation.through_zero import ThroughZero
+from contin.continuation.segment import Piece, Row
 from contin.linalg.vectors import dot
 from contin.special.table import special_type
 

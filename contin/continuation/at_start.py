@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 
 from contin.continuation.curve import Stretch
 from contin.continuation.departure import Departure
-from contin.continuation.extrema import Extremum
-from contin.continuation.found import Found
+from contin.continuation.location.extrema import Extremum
+from contin.continuation.location.found import Found
+from contin.continuation.location.targets import Target, Wanted
+from contin.continuation.location.turning import between
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.continuation.targets import Target, Wanted
-from contin.continuation.turning import between
 
 
 def found_at_start(departure: Departure, targets: Sequence[Wanted]) -> list[Found]:

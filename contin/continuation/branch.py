@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.abi import Array, Vector
+from contin.continuation.dataframes import dataframe, dataset
 from contin.continuation.fields import Fields, fields_of
-from contin.continuation.frames import dataframe, dataset
 from contin.continuation.orbit import Orbit, orbit_of
 from contin.errors import InputError
 from contin.records import Record

@@ -13,15 +13,15 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
-from contin.continuation.found import Found, Note
-from contin.continuation.isolate import isolate
 from contin.continuation.last_step import Course
-from contin.continuation.own_tests import own_tests
-from contin.continuation.piece import Piece
+from contin.continuation.location.bounds import walls_passed
+from contin.continuation.location.found import Found, Note
+from contin.continuation.location.isolate import isolate
+from contin.continuation.location.own_tests import own_tests
+from contin.continuation.location.targets import Wanted
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
+from contin.continuation.segment import Piece
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Wanted
-from contin.continuation.walls import walls_passed
 from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 

@@ -9,21 +9,21 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.back_at_start import back_at_start
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
-from contin.continuation.dips import dips, resolve_dip
-from contin.continuation.found import Found, Note, anchored
-from contin.continuation.halting import Halt, halt, halves, mirror
-from contin.continuation.isolate import isolate, next_to_event
+from contin.continuation.location.back_at_start import back_at_start
+from contin.continuation.location.bounds import at_wall, walls_passed
+from contin.continuation.location.dips import dips, resolve_dip
+from contin.continuation.location.found import Found, Note, anchored
+from contin.continuation.location.halting import Halt, halt, halves, mirror
+from contin.continuation.location.isolate import isolate, next_to_event
+from contin.continuation.location.sameness import offset, same_point
+from contin.continuation.location.targets import Wanted, hits
 from contin.continuation.march import is_dip
-from contin.continuation.piece import Piece, Row
 from contin.continuation.position import position
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
-from contin.continuation.sameness import offset, same_point
+from contin.continuation.segment import Piece, Row
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Wanted, hits
-from contin.continuation.walls import at_wall, walls_passed
 from contin.linalg.vectors import norm
 
 NEXT_TO: Final = 1e-6  # scaled: how near to a labelled point its test is nothing but rounding

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.abi import Array
-from contin.continuation.stored import StoredProblem
+from contin.continuation.stored_problem import StoredProblem
 from contin.errors import InputError
 
 if TYPE_CHECKING:

@@ -207,7 +207,7 @@ class Planar(Protocol):
 
 
 class Problem(ABC):
-    """What a problem offers to the engine; `contin.problems.equilibrium` is the model answer.
+    """What a problem offers to the engine; `contin.problems.equilibria.equilibrium` is the model answer.
 
     Rules for implementers:
 

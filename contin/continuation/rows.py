@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.piece import Piece
 from contin.continuation.problem import Verified
+from contin.continuation.segment import Piece
 
 REPEATED: Final = 1e-13  # scaled: a row this close to a labelled point beside it is that point
 

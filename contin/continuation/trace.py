@@ -13,13 +13,17 @@ from contin.continuation.accounting import MET, passed_again, unexplained
 from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
 from contin.continuation.branch import Branch, End, SpecialPoint
-from contin.continuation.closed import until_closed
 from contin.continuation.defects import DEFECT, contained
 from contin.continuation.departure import Departure, Seed, depart
-from contin.continuation.floors import above_floors
+from contin.continuation.ends.closed import until_closed
+from contin.continuation.ends.domain import above_floors
+from contin.continuation.ends.reach import within_reach
+from contin.continuation.ends.repeating import until_repeating
+from contin.continuation.ends.retracing import until_retracing
+from contin.continuation.ends.standing import until_standing
+from contin.continuation.ends.unbounded import until_lost
 from contin.continuation.journal import Journal, journaled
-from contin.continuation.lost import until_lost
-from contin.continuation.piece import Piece
+from contin.continuation.location.targets import Wanted
 from contin.continuation.position import position
 from contin.continuation.problem import (
     Frame,
@@ -28,13 +32,9 @@ from contin.continuation.problem import (
     Verified,
     is_planar,
 )
-from contin.continuation.reach import within_reach
-from contin.continuation.repeating import until_repeating
-from contin.continuation.retracing import until_retracing
 from contin.continuation.rows import Rows
+from contin.continuation.segment import Piece
 from contin.continuation.settings import Settings
-from contin.continuation.standing import until_standing
-from contin.continuation.targets import Wanted
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
 from contin.records import Fields, Record

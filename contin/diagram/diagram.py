@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from contin import lazy
 from contin.continuation.branch import Branch, BranchesByName
-from contin.continuation.frames import dataframes
+from contin.continuation.dataframes import dataframes
 from contin.diagram.graph import build_graph
 from contin.diagram.report import report
 from contin.plot.figure import draw

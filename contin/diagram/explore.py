@@ -14,18 +14,18 @@ from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.defects import noted
 from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
+from contin.continuation.location.targets import Target
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
+from contin.diagram.images import images, images_through
 from contin.diagram.orbits import family_through, generation, known_family, left_to_the_user, mirrored_families
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
 from contin.model.advice import closest
-from contin.problems.conditioned.asked import with_columns
+from contin.problems.conditioned.requested_columns import with_columns
 from contin.problems.contracts import InOneParameter
-from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
 from contin.records import Record
 from contin.transitions.births import departures, explored

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 

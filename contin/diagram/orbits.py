@@ -9,16 +9,16 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, Parent, SpecialPoint
+from contin.diagram.images import image
 from contin.diagram.sizes import sizes_among
 from contin.diagram.wiggles import beside_homoclinic
-from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 from contin.transitions.registry import Explored
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Parent
-    from contin.problems.equilibrium import EquilibriumProblem
-    from contin.problems.orbits.layout import Profile
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.orbits.mesh.layout import Profile
 
 CASCADE = 2  # period doublings after which a cascade is left to the user
 SAME_PARAMETER = 1e-6  # relative to the range

@@ -1,1 +1,1 @@
-"""Curves of special solutions: equations of any discretisation, and scalars that vanish along the curve."""
+"""Curves of special solutions in two and three parameters, and the points of codimension two on them."""

@@ -18,8 +18,8 @@ from contin.pde.arrays import ArrayFormulas
 from contin.pde.frame import Travelling
 from contin.pde.measures import Observer
 from contin.pde.protocol import Equations
-from contin.problems.functions.problem import FunctionProblem
 from contin.records import Fields, Record
+from contin.systems.functions.function_problem import FunctionProblem
 
 Reader = Callable[[Record], Start]
 

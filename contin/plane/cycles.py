@@ -14,9 +14,9 @@ from contin.errors import ContinError, NoSolutionError
 from contin.machine import elementary
 from contin.plane.field import PlanarField
 from contin.plane.flights import Flight
-from contin.problems.hybrid.start import HybridOrbit
-from contin.problems.orbits.start import PeriodicOrbit
-from contin.problems.shooting.start import ShotOrbit
+from contin.problems.orbits.periodic_orbit import PeriodicOrbit
+from contin.search.hybrid_orbit import HybridOrbit
+from contin.search.shot_orbit import ShotOrbit
 from contin.simulate.run import simulate
 
 SAMPLES: Final = 1024

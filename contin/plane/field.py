@@ -17,8 +17,8 @@ from contin.model.advice import closest
 from contin.model.expression import neg, number, substitute, symbol
 from contin.model.kinds import need_time
 from contin.model.model import Model
-from contin.problems.functions.problem import FunctionProblem
 from contin.records import Record
+from contin.systems.functions.function_problem import FunctionProblem
 from contin.systems.protocol import System
 
 TwoStates = Union[Model, FunctionProblem]

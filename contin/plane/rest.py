@@ -13,7 +13,7 @@ from contin.api.searches import find_equilibria
 from contin.model.model import Model
 from contin.plane.field import PlanarField
 from contin.plane.types import PlaneType, flow_type
-from contin.problems.start import Equilibrium
+from contin.search.equilibrium_from_guess import Equilibrium
 
 ROUNDED: Final = 1e-9  # of the largest eigenvalue: a smaller real part (distance from the unit circle) may be none
 

@@ -18,11 +18,11 @@ from contin.normalforms.fold import fold
 from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet
 from contin.plane.rounding import plane_system
-from contin.problems.describe import jet_at
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.normal_forms import jet_at
 
 if TYPE_CHECKING:
-    from contin.problems.start import Equilibrium
+    from contin.search.equilibrium_from_guess import Equilibrium
 
 ROUNDING: Final = 1e-13  # relative, of an entry of the Jacobian
 LOCATED: Final = 1e-12  # widths of the window, to which an equilibrium is known, where it is isolated

@@ -1,1 +1,1 @@
-"""What can be continued: equilibria, fixed points of maps, orbits, loci, user functions."""
+"""What can be continued in one parameter: equilibria, cycles of maps, periodic orbits, large systems."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
+from contin.diagram.images import images
 from contin.errors import InputError
-from contin.problems.images import images
 from contin.records import Record
 from contin.special.table import special_type
 

@@ -11,7 +11,7 @@ from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
-    from contin.problems.orbits.layout import Profile
+    from contin.problems.orbits.mesh.layout import Profile
 
 
 class OrbitSamples:

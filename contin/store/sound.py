@@ -12,18 +12,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from contin.bvp.problem import BoundaryProblem
+from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.problem import Problem
 from contin.errors import InputError
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.model.model import Model
-from contin.problems.conditioned.problem import Conditioned
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.loci.problem import LocusProblem
+from contin.problems.conditioned.under_conditions import Conditioned
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
-from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.shot_orbits import ShootingProblem
 
 AGREEMENT: Final = 1e-6  # of the point's columns, computed from its unknowns, with those that are written beside them
 WORDS: Final = {

@@ -1,7 +1,7 @@
 """The contract of a system: u' = f(u, p), u -> f(u, p) or 0 = f(u, p), with everything the numerics ask of it.
 
-Compiled models (`contin.lowering.system`), Python functions (`contin.problems.functions.system`) and iterates of maps
-(`contin.systems.iterate`) keep it. Rules for implementers:
+Compiled models (`contin.lowering.system`), Python functions (`contin.systems.functions.function_system`) and iterates
+of maps (`contin.systems.iterate`) keep it. Rules for implementers:
 
 1.  u is (n,), p (m,) (with the time appended where `is_forced`), both in the order of the names; nothing is checked.
 2.  Nothing is raised for a point at which the equations have no value: results are NaN there, and `explain` says why.

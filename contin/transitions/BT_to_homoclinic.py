@@ -14,15 +14,15 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.homoclinic.equations import ConnectionCurve
+from contin.homoclinic.solved_connection import solved_connection
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.normalforms.homoclinic import bogdanov_takens_unfolding
 from contin.normalforms.homoclinic_series import homoclinic_series
 from contin.normalforms.result import NO_FORM
 from contin.normalforms.sources import compiled_jet
-from contin.problems.loci.problem import LocusProblem
-from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.solved import solved_connection
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 from contin.transitions.small_cycles import compiled, follows_cycles

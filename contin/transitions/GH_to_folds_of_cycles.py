@@ -9,8 +9,8 @@ import numpy as np
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.normalforms.hopf import lpc_predictor
-from contin.problems.loci.problem import LocusProblem
 from contin.transitions.locus_to_loci import loci_through
 from contin.transitions.registry import born
 from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles

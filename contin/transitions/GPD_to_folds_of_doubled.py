@@ -16,8 +16,8 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
-from contin.problems.shooting.loci.problem import ShotLocusProblem
+from contin.loci.orbits.orbit_locus import OrbitLocusProblem
+from contin.loci.shooting.shot_locus import ShotLocusProblem
 from contin.transitions import births
 from contin.transitions.found_beside import AWAY, REACH, WORK, quick, work_of
 from contin.transitions.registry import born

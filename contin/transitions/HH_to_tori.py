@@ -8,9 +8,9 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
 from contin.normalforms.hopf_hopf import torus_predictors
-from contin.problems.loci.problem import LocusProblem
 from contin.transitions.registry import born
 from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 

@@ -19,9 +19,9 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Failure, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
-from contin.problems.orbits.homoclinic.problem import ConnectionProblem
-from contin.problems.orbits.saddle_node import critical_direction
+from contin.homoclinic.equations import ConnectionCurve, Gauge
+from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.problems.orbits.ends.saddle_node import critical_direction
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 

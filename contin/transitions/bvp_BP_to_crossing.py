@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from contin.abi import Array
+from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.on_mesh import OnMesh
-from contin.bvp.problem import BoundaryProblem
-from contin.bvp.special import embedded, reduction
+from contin.bvp.special_points import embedded, reduction
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.orbits.layout import make_scale
+from contin.problems.orbits.mesh.layout import make_scale
 from contin.transitions.registry import Explored, born
 
 

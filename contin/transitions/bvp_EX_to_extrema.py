@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from contin.bvp.problem import BoundaryProblem
+from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.of_extrema import of_solutions
+from contin.loci.augmented.of_extrema import of_solutions
 from contin.transitions.registry import born
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from contin.bvp.problem import BoundaryProblem
+from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.of_boundary import curve_of
+from contin.loci.augmented.of_boundary import curve_of
 from contin.transitions.registry import born
 
 

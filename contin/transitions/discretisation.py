@@ -10,17 +10,17 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
+from contin.loci.shooting.curve import ShootingCurve
+from contin.loci.shooting.shot_locus import ShotLocusProblem
 from contin.machine import elementary
-from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.on_mesh import on_mesh
 from contin.problems.shooting.layout import Nodes, make_scale
-from contin.problems.shooting.loci.curve import ShootingCurve
-from contin.problems.shooting.loci.problem import ShotLocusProblem
-from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import orbit_from_return, shooting_chosen
+from contin.problems.shooting.shot_orbits import ShootingProblem
+from contin.search.shot_orbit import orbit_from_return, shooting_chosen
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
 
 REACH = 3e-2  # (arclength) from an equilibrium to the first special orbit
 NEARBY = 1e-4  # scaled time after which the direction of a small cycle is looked at again

@@ -13,7 +13,7 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.lowering import compile_system
 from contin.lowering.sliding import sliding_model
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.surfaces.jumps import jumps_of
 from contin.problems.surfaces.sliding import Sliding
 from contin.transitions.registry import Explored, born

@@ -15,12 +15,12 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
-from contin.problems import defining, special
-from contin.problems.branching.degenerate import fan_at, is_degenerate, other_curves, scaled_own
-from contin.problems.branching.outset import Outset
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.multiple import reduced_branches
-from contin.problems.scaled import ScaledSystem
+from contin.problems.equilibria import defining, special_points
+from contin.problems.equilibria.branching.degenerate import fan_at, is_degenerate, other_curves, scaled_own
+from contin.problems.equilibria.branching.multiple_kernel import reduced_branches
+from contin.problems.equilibria.branching.outset import Outset
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
 from contin.transitions.equivariant_branches import rotated_branches
 from contin.transitions.registry import Explored, born
@@ -75,7 +75,7 @@ def _measured(point: SpecialPoint) -> tuple[int, NDArray[np.complex128]] | None:
 def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[Outset]:
     """The branches other than the one with tangent `own`."""
     if corank == 1:
-        tangents = special.crossing_tangents(local, y)
+        tangents = special_points.crossing_tangents(local, y)
         others = [t for t in tangents if abs(float(t @ own)) < PARALLEL]
         if len(others) > 1:  # neither is exactly the branch's own: drop the nearer one
             others = [min(others, key=lambda t: abs(float(t @ own)))] if np.any(own) else others

@@ -9,8 +9,8 @@ import numpy as np
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.loci.of_points import of_codimension_two
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.loci.augmented.of_points import of_codimension_two
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.transitions.curve_through import seed_of
 from contin.transitions.registry import born
 

@@ -12,9 +12,9 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.sparse.multiple import ReducedJet
-from contin.problems.sparse.problem import LargeProblem
-from contin.problems.sparse.special import kernel_at, reduction
+from contin.problems.sparse.large_equilibrium import LargeProblem
+from contin.problems.sparse.multiple_kernel import ReducedJet
+from contin.problems.sparse.special_points import kernel_at, reduction
 from contin.problems.symmetry import reversing_symmetries
 from contin.transitions.registry import Explored, born
 

@@ -15,14 +15,14 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf_predictor
-from contin.problems.describe import jet_at
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.functions.in_kernels import in_kernels
-from contin.problems.orbits.frame import system_of_orbits
-from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale, node_times
-from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.normal_forms import jet_at
+from contin.problems.orbits.collocated_orbits import PERIOD_SCALE, OrbitProblem
+from contin.problems.orbits.corotating import system_of_orbits
+from contin.problems.orbits.mesh.layout import HOPF_INTERVALS, Profile, make_scale, node_times
 from contin.problems.sparse.as_dense import dense_problem
-from contin.problems.sparse.problem import LargeProblem
+from contin.problems.sparse.large_equilibrium import LargeProblem
+from contin.systems.functions.in_kernels import in_kernels
 from contin.transitions.equivariant_hopf import patterns, through_an_orbit
 from contin.transitions.on_surfaces import refuse_sliding
 from contin.transitions.registry import Explored, born

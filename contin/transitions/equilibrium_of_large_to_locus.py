@@ -13,10 +13,10 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.linalg.vectors import norm
+from contin.loci.sparse.curve import LargeCurve
+from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary
-from contin.problems.sparse.loci.curve import LargeCurve
-from contin.problems.sparse.loci.problem import LargeLocus
-from contin.problems.sparse.problem import LargeProblem
+from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 

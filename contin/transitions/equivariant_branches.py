@@ -24,8 +24,8 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.lowering import compile_system
 from contin.model.kept import kept_with
-from contin.problems.branching.rotated import turning_kernel
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.branching.rotated import turning_kernel
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.symbolic.passes.corotating import corotating, turned_pair
 
 DISTANCES: Final = (1e-3, 1e-2, 1e-4, 0.05)  # s, scaled; the first with a solution at which the parameter is near

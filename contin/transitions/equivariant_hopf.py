@@ -18,11 +18,11 @@ from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.machine import elementary
-from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 STEP = 1e-6  # of the difference quotient that makes a matrix of a symmetry, relative to the states' sizes
 KEPT = 1e-8  # ... and distance of the equilibrium from its image up to which the symmetry keeps it

@@ -18,13 +18,13 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.transitions import births
 
 if TYPE_CHECKING:
     from contin.abi import Array
     from contin.continuation.problem import Problem
-    from contin.problems.orbits.loci.special import OfSpecialOrbits
+    from contin.loci.orbits.special_orbits import OfSpecialOrbits
 
 AWAY: Final = (0.01, 0.03)  # of the range of a parameter: how far the lines are from the point
 REACH: Final = 0.25  # of the range of the other one: how far they go in both directions

@@ -9,12 +9,12 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.samples import orbit_from_samples
-from contin.problems.shooting.start import orbit_from_return
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.search.orbit_from_samples import orbit_from_samples
+from contin.search.shot_orbit import orbit_from_return
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 SAMPLES: Final = 400  # of half the orbit
 

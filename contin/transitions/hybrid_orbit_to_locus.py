@@ -8,9 +8,9 @@ from dataclasses import replace
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.hybrid.locus import HybridLocus
-from contin.problems.hybrid.problem import OF_MAPS, HybridOrbits
-from contin.problems.loci.problem import LocusProblem
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.loci.hybrid_orbits import HybridLocus
+from contin.problems.hybrid.hybrid_orbits import OF_MAPS, HybridOrbits
 from contin.transitions.point_to_locus import loci_of_point
 from contin.transitions.registry import born
 

@@ -8,9 +8,9 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.large_orbits.problem import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
+from contin.problems.large_orbits.large_orbit import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
 from contin.problems.large_orbits.radau import STAGES, Trajectory
-from contin.problems.sparse.problem import LargeProblem
+from contin.problems.sparse.large_equilibrium import LargeProblem
 
 
 def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> Seed:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.adaptive import AdaptiveCurve
-from contin.loci.of_boundary import cusps
+from contin.loci.augmented.adaptive import AdaptiveCurve
+from contin.loci.augmented.of_boundary import cusps
 from contin.transitions.registry import born
 
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.of_extrema import of_extrema, of_locus
-from contin.loci.problem import AugmentedCurve
-from contin.problems.loci.problem import LocusProblem
+from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.loci.augmented.of_extrema import of_extrema, of_locus
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.transitions.registry import born
 
 

@@ -11,8 +11,8 @@ from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary
-from contin.problems.sparse.loci.problem import LargeLocus
 from contin.special.table import curves_of_points
 from contin.transitions.equilibrium_of_large_to_locus import seed_of_large
 from contin.transitions.registry import born

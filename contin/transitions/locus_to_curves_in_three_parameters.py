@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.loci.of_points import of_codimension_two
+from contin.loci.augmented.of_points import of_codimension_two
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
-from contin.problems.loci.problem import LocusProblem
 from contin.transitions.registry import born
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.loci.problem import LocusProblem
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.transitions.registry import born
 
 

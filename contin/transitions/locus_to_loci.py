@@ -11,8 +11,8 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.linalg import newton
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
-from contin.problems.loci.problem import LocusProblem
 from contin.special.table import curves_of_points
 from contin.transitions.curve_through import seed_of
 from contin.transitions.registry import born

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.problems.orbits.loci.curve import OrbitCurve
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
-from contin.problems.shooting.loci.curve import ShootingCurve
-from contin.problems.shooting.loci.problem import ShotLocusProblem
+from contin.loci.orbits.orbit_locus import OrbitLocusProblem
+from contin.loci.shooting.curve import ShootingCurve
+from contin.loci.shooting.shot_locus import ShotLocusProblem
+from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.transitions.registry import born
 from contin.transitions.special_orbits import seeds_through
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.orbits.homoclinic.problem import ConnectionProblem
+from contin.homoclinic.saddle_connections import ConnectionProblem
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.transitions.registry import born
 
 if TYPE_CHECKING:
-    from contin.problems.loci.problem import LocusProblem
+    from contin.loci.equilibria.equilibrium_locus import LocusProblem
 
 
 @born(OfPeriodicOrbits, "", "the family of orbits")

@@ -12,8 +12,8 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor
-from contin.problems.describe import jet_at
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.normal_forms import jet_at
 from contin.problems.maps.cycle import HALF_PERIOD, lifted
 from contin.systems.iterate import iterate
 from contin.transitions.equilibrium_BP_to_branches import crossing_branches, renewed_metric

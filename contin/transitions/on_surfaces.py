@@ -8,7 +8,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.errors import InputError
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 
 def refuse_sliding(problem: EquilibriumProblem, point: SpecialPoint) -> None:

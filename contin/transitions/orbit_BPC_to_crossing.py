@@ -10,9 +10,9 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.orbits.multiple import crossing_tangents
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.symmetry import halves_alike
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.normal_forms.multiple_branch_point import crossing_tangents
+from contin.problems.orbits.symmetric.symmetry import halves_alike
 from contin.transitions.orbits_at_point import along_own_parameter, unstable_count
 from contin.transitions.registry import Explored, born
 

@@ -8,7 +8,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.shooting.crossing import crossing, image_of
-from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.transitions.orbit_BPC_to_crossing import CROSSING
 from contin.transitions.orbits_at_point import along_own_parameter, unstable_count
 from contin.transitions.registry import born

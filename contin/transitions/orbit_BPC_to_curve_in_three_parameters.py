@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.of_orbits import branch_points
-from contin.problems.orbits.problem import OrbitProblem
+from contin.loci.augmented.of_orbits import branch_points
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.transitions.registry import born
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.of_extrema import of_solutions
-from contin.problems.orbits.problem import OrbitProblem
+from contin.loci.augmented.of_extrema import of_solutions
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.transitions.registry import born
 
 

@@ -16,10 +16,10 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame
 from contin.errors import InputError
-from contin.problems.orbits.layout import Profile, make_scale
-from contin.problems.orbits.marched_in_kernel import probe
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.symmetry import states_moved
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.march.in_kernel import probe
+from contin.problems.orbits.mesh.layout import Profile, make_scale
+from contin.problems.orbits.symmetric.symmetry import states_moved
 from contin.problems.symmetry import symmetry_names
 from contin.transitions.orbits_at_point import along_own_parameter
 from contin.transitions.registry import Explored, born

@@ -12,13 +12,13 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.interval import piece_of
-from contin.problems.orbits.homoclinic.solved import solved_connection
-from contin.problems.orbits.invariant_circle import bottlenecks
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.saddles import extent_of, saddles_near, turns
+from contin.homoclinic.equations import ConnectionCurve
+from contin.homoclinic.interval import piece_of
+from contin.homoclinic.solved_connection import solved_connection
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.ends.invariant_circle import bottlenecks
+from contin.problems.orbits.ends.saddles import extent_of, saddles_near, turns
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.halting import HALF_PERIOD
+from contin.continuation.location.halting import HALF_PERIOD
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor
-from contin.problems.describe import jet_at
-from contin.problems.hybrid.problem import HybridOrbits
+from contin.problems.equilibria.normal_forms import jet_at
+from contin.problems.hybrid.hybrid_orbits import HybridOrbits
 from contin.transitions.orbit_BPC_to_crossing import CROSSING
 from contin.transitions.orbit_PD_to_doubled import CASCADE
 from contin.transitions.orbits_at_point import along_own_parameter, unstable_count

@@ -10,10 +10,10 @@ import numpy as np
 from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.halting import HALF_PERIOD
+from contin.continuation.location.halting import HALF_PERIOD
 from contin.machine import elementary
-from contin.problems.orbits.layout import Profile, make_scale
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import Explored, born
 

@@ -11,7 +11,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes, make_scale
-from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.transitions.orbit_PD_to_doubled import CASCADE
 from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import born

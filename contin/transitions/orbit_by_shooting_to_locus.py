@@ -8,13 +8,13 @@ from functools import partial
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.loci.shooting.contacts import laid_out, touches
+from contin.loci.shooting.curve import ShootingCurve
+from contin.loci.shooting.grazing import GrazingCurve
+from contin.loci.shooting.isoperiodic import ShotPeriodCurve, ShotPeriodProblem
+from contin.loci.shooting.shot_locus import ShotLocusProblem
 from contin.machine import elementary
-from contin.problems.shooting.loci.curve import ShootingCurve
-from contin.problems.shooting.loci.grazing import GrazingCurve
-from contin.problems.shooting.loci.problem import ShotLocusProblem
-from contin.problems.shooting.loci.same_period import ShotPeriodCurve, ShotPeriodProblem
-from contin.problems.shooting.loci.touching import laid_out, touches
-from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 from contin.transitions.special_orbits import seed_of

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.functions.problem import DENSE_IN_KERNELS
-from contin.problems.large_orbits.problem import LargeOrbitProblem
+from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
+from contin.systems.functions.function_problem import DENSE_IN_KERNELS
 from contin.transitions.registry import born
 
 

@@ -8,11 +8,11 @@ from functools import partial
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.loci.orbits.isoperiodic import PeriodCurve, SamePeriodProblem
+from contin.loci.orbits.orbit_locus import OrbitLocusProblem
 from contin.machine import elementary
-from contin.problems.orbits.loci.curve import OrbitCurve
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.transitions.registry import born
 from contin.transitions.special_orbits import seed_of
 

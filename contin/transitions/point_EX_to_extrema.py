@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.loci.of_extrema import of_solutions
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.loci.augmented.of_extrema import of_solutions
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.transitions.registry import born
 
 

@@ -10,7 +10,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.transitions.curve_through import seed_of
 from contin.transitions.on_surfaces import refuse_sliding
 from contin.transitions.registry import born

@@ -12,19 +12,19 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
+from contin.loci.orbits.orbit_locus import OrbitLocusProblem
 from contin.lowering.system import CompiledSystem
 from contin.machine import elementary
 from contin.normalforms.sources import compiled_jet
-from contin.problems.orbits.frame import system_of_orbits
-from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
-from contin.problems.orbits.loci.curve import OrbitCurve
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
-from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
+from contin.problems.orbits.collocated_orbits import PERIOD_SCALE, OrbitProblem
+from contin.problems.orbits.corotating import system_of_orbits
+from contin.problems.orbits.mesh.layout import HOPF_INTERVALS, Profile, make_scale
+from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
+    from contin.loci.equilibria.equilibrium_locus import LocusProblem
     from contin.normalforms.jet import Jet
-    from contin.problems.loci.problem import LocusProblem
     from contin.problems.two_parameters import TwoParameterProblem
     from contin.systems.protocol import System
 

@@ -17,8 +17,8 @@ from contin.special.table import curves_of_orbits
 from contin.transitions.found_beside import tori_beside
 
 if TYPE_CHECKING:
+    from contin.loci.orbits.special_orbits import OfSpecialOrbits
     from contin.problems.orbits.family import FamilyOfOrbits
-    from contin.problems.orbits.loci.special import OfSpecialOrbits
 
 CurveOf = Callable[..., Any]  # (type, orbits, second parameter) -> the equations of a curve
 ProblemOf = Callable[..., Problem]

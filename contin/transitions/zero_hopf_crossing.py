@@ -11,13 +11,13 @@ from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Rejected, Sample
-from contin.problems.codim2 import crossing
-from contin.problems.codim2.functions import function_of
+from contin.loci.codim2 import zero_hopf_crossing
+from contin.loci.codim2.functions import function_of
 from contin.problems.symmetry import symmetry_names
 from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
-    from contin.problems.loci.problem import LocusProblem
+    from contin.loci.equilibria.equilibrium_locus import LocusProblem
 
 KEPT = 1e-6  # relative: what a symmetry leaves as it is
 
@@ -37,9 +37,9 @@ def hopf_curves(seed: Seed, point: SpecialPoint, own: bool) -> list[Seed]:
     near = Sample(z, np.zeros(len(z)), np.zeros(1), 0, values)
     function = function_of(problem, "ZH", near)
     if not own and not isinstance(function, Rejected):
-        met = crossing.solve(problem, function, near, Frame(scale))
+        met = zero_hopf_crossing.solve(problem, function, near, Frame(scale))
         z = z if met is None else met.y * scale
-    tangents = crossing.other_tangents(problem, z, scale, point.tangent if own else None)
+    tangents = zero_hopf_crossing.other_tangents(problem, z, scale, point.tangent if own else None)
     return [
         replace(seed, problem=problem, z=z, direction=t, scale=scale, arms=_arms(problem, z, t * scale))
         for t in tangents

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.bvp.start import boundary_guess
+from contin.bvp.from_guess import boundary_guess
 from contin.errors import InputError, NoSolutionError
 from contin.machine import elementary
 from contin.model.model import Model

@@ -7,9 +7,9 @@ import pytest
 
 import contin
 from contin.continuation.accounting import unexplained
-from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Verified
 from contin.continuation.rows import Rows
+from contin.continuation.segment import Piece, Row
 from contin.model.model import Model
 
 

@@ -7,7 +7,7 @@ import contin
 from contin.continuation.defects import contained, noted
 from contin.continuation.departure import Seed
 from contin.errors import InputError, NoSolutionError, NotFiniteError
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from tests.problems.follow import labels, model
 
 FOLD = model({"x": "p - x^2"}, {"x": 1.0}, {"p": 1.0})  # x^2 = p, a fold at p = 0

@@ -7,7 +7,7 @@ import contin
 from contin.continuation import march as python_march
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
-from contin.problems.functions.march import DenseMarch
+from contin.problems.dense_march import DenseMarch
 from tests.problems.cases import oscillator, zeros
 from tests.problems.follow import follow, model
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contin import api
-from contin.continuation.repeating import until_repeating
+from contin.continuation.ends.repeating import until_repeating
 from contin.model.model import Model
 
 

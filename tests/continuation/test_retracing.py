@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.continuation.retracing import until_retracing
+from contin.continuation.ends.retracing import until_retracing
 from contin.model.model import Model
 
 

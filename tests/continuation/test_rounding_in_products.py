@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contin.continuation.isolate import HALVINGS, isolate
+from contin.continuation.location.isolate import HALVINGS, isolate
 from contin.continuation.problem import NOTHING, Sample
 from tests.truth.test_orbits_in_one_step import family
 

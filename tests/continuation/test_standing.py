@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contin.continuation.piece import Piece
-from contin.continuation.standing import ROWS, until_standing
+from contin.continuation.ends.standing import ROWS, until_standing
+from contin.continuation.segment import Piece
 
 
 def pieces(p, multiplier):

@@ -9,7 +9,7 @@ from contin.continuation.settings import Settings
 from contin.diagram import explore
 from contin.diagram.diagram import Diagram
 from contin.diagram.explore import Explorer
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
 
 LIMITED = {"generations": 1, "unstable_births": False}
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from contin.cli.main import main
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 needs_fork = pytest.mark.skipif(
     "fork" not in multiprocessing.get_all_start_methods() or not hasattr(signal, "SIGHUP"), reason="needs fork"

@@ -7,7 +7,7 @@ import pytest
 
 from contin.kernels import clock as module
 from contin.kernels.clock import CLOCK, Clock
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from tests.problems.follow import follow
 
 

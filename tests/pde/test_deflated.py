@@ -3,7 +3,7 @@
 import numpy as np
 
 import contin
-from contin.problems.deflated import beside
+from contin.search.deflated_newton import beside
 
 
 def test_deflation_finds_the_roots_of_a_polynomial_one_after_the_other():

@@ -17,7 +17,7 @@ from contin.cli.main import main
 from contin.continuation.problem import Chunk, Stop
 from contin.errors import InputError
 from contin.model.model import Model
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.store.journal import SqliteJournal, packed, unpacked
 from tests.warm import warm_up
 

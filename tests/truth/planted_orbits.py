@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 import contin
 from contin.model.model import Model
-from tests.problems.loci.planes import amplitude
-from tests.problems.orbits.loci.test_codim_two import CIRCLE, SQUARE, twisted
+from tests.loci.equilibria.planes import amplitude
+from tests.loci.orbits.test_codim_two import CIRCLE, SQUARE, twisted
 
 WAYS = ("plain", "rotated", "bent")
 BEND = 0.1  # of the quadratic terms of h, in units of `length`

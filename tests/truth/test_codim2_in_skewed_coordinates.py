@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contin.continuation.piece import Row
-from contin.continuation.through_zero import ThroughZero
+from contin.continuation.location.through_zero import ThroughZero
+from contin.continuation.segment import Row
 from tests.truth import codim2_of_flows as flows
 from tests.truth import codim2_of_maps as maps
 from tests.truth.ledger import Ledger

@@ -18,14 +18,14 @@ from contin.diagram.phase.rest import is_rest
 from contin.diagram.phase.states import State, images_of, points_of
 from contin.diagram.sizes import length, sizes_among
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
-from contin.problems.orbits.samples import orbit_from_samples
-from contin.problems.orbits.simulation import UNSTABLE, time_scale
-from contin.problems.shooting.start import settled_orbit
-from contin.problems.start import converge
+from contin.search.equilibrium_from_guess import converge
+from contin.search.orbit_by_simulation import UNSTABLE, time_scale
+from contin.search.orbit_from_samples import orbit_from_samples
+from contin.search.shot_orbit import settled_orbit
 from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 PUSH, LEAST = 1e-2, 1e-3  # length of the push along an unstable direction, of the state; which is at least this large
 LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit

@@ -23,7 +23,7 @@ from contin.errors import InputError
 from contin.records import Record
 
 if TYPE_CHECKING:
-    from contin.problems.start import Equilibrium
+    from contin.search.equilibrium_from_guess import Equilibrium
 
 DEFAULTS: Final = {"steps": 3000, "max_step": 0.03}
 

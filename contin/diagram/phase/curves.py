@@ -22,8 +22,8 @@ from contin.diagram.phase.notes import Notes
 from contin.diagram.phase.orbit_curves import is_known_curve, is_known_point, repeats_curve
 from contin.diagram.phase.places import Places
 from contin.diagram.phase.starts import was_stopped
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.loci.problem import LocusProblem
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.special.table import codes, crossings
 
 if TYPE_CHECKING:

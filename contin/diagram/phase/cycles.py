@@ -13,8 +13,8 @@ from contin.diagram.identity import copies, wrapped
 from contin.diagram.sizes import length, sizes_among
 from contin.errors import ContinError
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.start import converge
 from contin.problems.symmetry import apply_symmetry, every_symmetry
+from contin.search.equilibrium_from_guess import converge
 from contin.systems.iterate import iterate
 from contin.systems.steps import iterates
 

@@ -16,7 +16,7 @@ from contin.problems.symmetry import every_symmetry
 from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 SAME: Final = 1e-5  # scaled distance of a point from a curve
 FAR: Final = 0.5  # of the distance of two rows: what is farther from the chord is not on the curve

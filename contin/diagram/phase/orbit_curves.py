@@ -15,7 +15,7 @@ from contin.problems.symmetry import every_symmetry
 from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.layout import Profile
+    from contin.problems.orbits.mesh.layout import Profile
     from contin.problems.two_parameters import TwoParameterProblem
 
 NEAR: Final = 1e-3  # distance in the unit square of a point from a curve that it is on

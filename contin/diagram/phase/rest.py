@@ -17,12 +17,12 @@ from contin.continuation.departure import Seed
 from contin.diagram.phase.states import State, points_of
 from contin.diagram.sizes import length, sizes_among
 from contin.errors import ContinError
-from contin.problems.orbits.simulation import time_scale
+from contin.search.orbit_by_simulation import time_scale
 from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 NEAR: Final = (1e-4, 1e-6)  # of the states' sizes: where the rates must fall in proportion
 PROPORTIONAL: Final = 3.0  # ... up to this factor

@@ -17,8 +17,8 @@ from contin.continuation.branch import Branch
 from contin.continuation.defects import DEFECT
 from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal, OfSearch
+from contin.continuation.location.targets import Target
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.agenda import Agenda
@@ -32,7 +32,7 @@ from contin.diagram.phase.orbit_curves import families_across
 from contin.diagram.phase.places import Places
 from contin.diagram.phase.starts import brought, on_branch, on_curve
 from contin.diagram.phase.states import State, states_on
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 LINES: Final = (0.5, 0.12, 0.88)  # where lines across the box are explored, as parts of the other parameter's range
 BUDGET: Final = Budget(branches=40, steps=5000)  # of one line

@@ -15,7 +15,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.diagram.phase.lines import Box
 from contin.errors import ContinError
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 
 

@@ -18,7 +18,7 @@ from contin.problems.maps.cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 SAME: Final = 1e-6
 SMALL: Final = 1e-3  # of a state's size: below this a difference is compared with that, not with the state

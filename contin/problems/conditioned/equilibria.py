@@ -19,9 +19,9 @@ from contin.errors import InputError
 from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.model.model import Model
 from contin.model.relations import Relation
-from contin.problems.conditioned.problem import Conditioned, product_of
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.functions.march import dense_linearisation
+from contin.problems.conditioned.under_conditions import Conditioned, product_of
+from contin.problems.dense_march import dense_linearisation
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.quantities import Quantities
 
 PAIR: Final = 2  # of the tests of a spectrum: the sums (flows) or products (maps) of pairs

@@ -15,17 +15,17 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.conditioned.problem import Conditioned, product_of
-from contin.problems.orbits.birth import cut_at_birth, has_shrunk
-from contin.problems.orbits.bordered import factors
-from contin.problems.orbits.functionals import OrbitConditions
-from contin.problems.orbits.homoclinic.linear import Factorised
-from contin.problems.orbits.layout import Profile, make_scale
-from contin.problems.orbits.linear import OrbitLinear, branch_tangents
-from contin.problems.orbits.measures import standard_names
-from contin.problems.orbits.move import Move
-from contin.problems.orbits.multipliers import nontrivial
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.conditioned.under_conditions import Conditioned, product_of
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.hopf_end import cut_at_birth, has_shrunk
+from contin.problems.orbits.linearised.bordered import factors
+from contin.problems.orbits.linearised.linear import OrbitLinear, branch_tangents
+from contin.problems.orbits.linearised.multipliers import nontrivial
+from contin.problems.orbits.linearised.tangent_solver import Factorised
+from contin.problems.orbits.measured.functionals import OrbitConditions
+from contin.problems.orbits.measured.measures import standard_names
+from contin.problems.orbits.mesh.layout import Profile, make_scale
+from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 
 ENDLESS: Final = 1e300  # the period of an unknown that is no angle

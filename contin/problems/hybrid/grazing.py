@@ -18,14 +18,14 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.problems.hybrid.connecting import homoclinic_end
+from contin.problems.hybrid.homoclinic_end import homoclinic_end
 from contin.problems.hybrid.landing import first_landing
 from contin.problems.hybrid.sampling import arc_samples
 from contin.simulate.resets import SENSES
 
 if TYPE_CHECKING:
+    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
     from contin.problems.hybrid.passage import Flown, Passage
-    from contin.problems.hybrid.problem import HybridOrbits
 
 
 class OfCycles(Protocol):

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.linalg.spectrum import count_and_tests, spectrum
 
 if TYPE_CHECKING:
-    from contin.problems.hybrid.problem import HybridOrbits
+    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
 
 
 def quotient(problem: HybridOrbits, z: Array) -> Array:

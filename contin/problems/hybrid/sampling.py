@@ -13,8 +13,8 @@ from contin.simulate.extrema import extremes_between
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
+    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
     from contin.problems.hybrid.passage import Flown, Passage
-    from contin.problems.hybrid.problem import HybridOrbits
 
 SAMPLES = 240  # of an orbit
 LEAST = 24  # ... and of each arc

@@ -17,10 +17,10 @@ from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 from contin.problems.large_orbits.events import critical_index, excess
 from contin.problems.large_orbits.radau import A
-from contin.problems.sparse.special import At, point_at
+from contin.problems.sparse.special_points import At, point_at
 
 if TYPE_CHECKING:
-    from contin.problems.large_orbits.problem import LargeOrbitProblem
+    from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 
 APART: Final = (0.02, 0.01, 0.005)  # scaled distances between the orbits that are interpolated, in turn
 PLACES: Final = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])

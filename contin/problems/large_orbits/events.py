@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import REAL
-from contin.problems.sparse.special import At, secant
+from contin.problems.sparse.special_points import At, secant
 
 if TYPE_CHECKING:
-    from contin.problems.large_orbits.problem import LargeOrbitProblem
+    from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 
 RESIDUAL_LIMIT: Final = 1e-7
 WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1"}

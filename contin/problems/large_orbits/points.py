@@ -10,9 +10,9 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from contin.abi import Array
-from contin.problems.functions.system import FunctionSystem
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.records import Record
+from contin.systems.functions.function_system import FunctionSystem
 
 
 @runtime_checkable

@@ -26,11 +26,11 @@ from contin.errors import NotFiniteError
 from contin.kernels.floquet import multipliers as multipliers_of
 from contin.linalg.spectrum import count_and_tests, in_order, spectrum
 from contin.machine import elementary
-from contin.problems import special
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.functions.march import DenseMarch
-from contin.problems.of_fixed_points import OfFixedPoints
-from contin.problems.polish import at_parameter
+from contin.problems.at_fixed_parameter import at_parameter
+from contin.problems.dense_march import DenseMarch
+from contin.problems.equilibria import special_points
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.fixed_points import OfFixedPoints
 from contin.special.table import test_on_branch
 from contin.systems.iterate import IteratedSystem
 
@@ -182,7 +182,7 @@ class CycleProblem(OfFixedPoints):
         return at_parameter(self, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return special.explain(True, a, b)
+        return special_points.explain(True, a, b)
 
     def watch(self, type_: str) -> int | None:
         return test_on_branch(type_)

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.problems.massless import finite_multipliers
-from contin.problems.orbits.columns import names_of
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.measures import Measures, standard_names
+from contin.problems.algebraic_states import finite_multipliers
+from contin.problems.orbits.measured.columns import names_of
+from contin.problems.orbits.measured.measures import Measures, standard_names
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.scales import parameter_width
 from contin.simulate.reach import first_to_leave, has_reach
 from contin.special.table import test_on_branch

@@ -10,8 +10,8 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.problems.orbits.layout import Profile, Transfer, make_scale, node_times, sizes_of
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.mesh.layout import Profile, Transfer, make_scale, node_times, sizes_of
 
 
 def on_mesh(seed: Seed, settings: Settings) -> Seed:

@@ -10,14 +10,14 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
-from contin.problems.orbits.ends import ending
-from contin.problems.orbits.layout import Profile, make_scale
-from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
-from contin.problems.orbits.move import Move
+from contin.problems.orbits.ends.ends import ending
+from contin.problems.orbits.mesh.adaption import WORTHWHILE, choose_mesh, estimate
+from contin.problems.orbits.mesh.layout import Profile, make_scale
+from contin.problems.orbits.mesh.move import Move
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.meshed import Meshed
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.mesh.adaptive_problem import Meshed
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
 TOO_FINE = 0.55  # part of the present number of intervals below which the mesh is made coarser

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.problems.massless import finite_multipliers
-from contin.problems.orbits import birth
-from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
-from contin.problems.orbits.layout import Profile
+from contin.problems.algebraic_states import finite_multipliers
+from contin.problems.orbits import hopf_end
+from contin.problems.orbits.measured.columns import names_of, orbit_columns, periods, with_observables
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import OnAdaptiveMesh, TwoParameterProblem
 from contin.simulate.reach import first_to_leave, has_reach
 
@@ -137,7 +137,7 @@ class OfPeriodicOrbits(OrbitCurveProblem):
 
     def has_shrunk(self, z: Array, scale: Array) -> bool:
         """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
-        return bool(self.curve.orbits.autonomous) and birth.has_shrunk(self, z, scale)
+        return bool(self.curve.orbits.autonomous) and hopf_end.has_shrunk(self, z, scale)
 
     @property
     def winding(self) -> Array:

@@ -13,13 +13,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Failure, Rejected
-from contin.problems.orbits.multipliers import nontrivial
+from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, family_tangents, null_space
 from contin.problems.shooting.locate import SETTLED, Located, locate, on_curve, scalar, scale_of
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 APART = (1e-2, 2.5e-3, 6e-4, 1.5e-4)  # arclengths between the orbits that a branch point is interpolated from
 AGREED = 1e-8  # (arclength) places interpolated from two of them that agree so well are final

@@ -21,7 +21,7 @@ from contin.problems.shooting.sampling import flights, states
 from contin.records import Fields, Record
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 DISTANCES = (1e-3, 3e-3, 3e-4, 1e-2)  # (arclength) at which the crossing family is looked for
 SHARP = 1.0  # change of direction within that distance above which it is too far

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.problems.orbits.eigenfunctions import normalised
+from contin.problems.orbits.normal_forms.eigenfunctions import normalised
 from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.sampling import RTOL, segments_of
 from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 
 def eigenfunctions(

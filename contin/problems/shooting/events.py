@@ -10,17 +10,17 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
-from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
+from contin.problems.equilibria.special_points import nearest_pair
+from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.crossing import begins, side_of_branch
 from contin.problems.shooting.halving import halving
 from contin.problems.shooting.locate import accuracy_of_equations, locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
-from contin.problems.special import nearest_pair
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 RESIDUAL_LIMIT = 1e-8

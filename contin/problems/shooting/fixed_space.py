@@ -20,7 +20,7 @@ from contin.problems.symmetry import symmetry_names
 from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 KEPT: Final = 1e-7  # distance from its image, relative to the orbit's largest state, up to which a point is kept
 LINEAR: Final = 1e-12  # relative: a symmetry is a matrix to this
@@ -80,7 +80,7 @@ def kept_direction(fixed: FixedSpace, directions: Array, scale: Array, count: in
     """Of orthonormal scaled directions (k, N) of z, all lost by the group, one that a symmetry keeps alone, (N,).
 
     Where symmetry makes several multipliers critical together, families cross along such directions (the equivariant
-    branching lemma, see `contin.problems.orbits.multiple`).  count : of the segments.
+    branching lemma, see `contin.problems.orbits.normal_forms.multiple_branch_point`).  count : of the segments.
     """
     n = len(fixed.projector)
     units = scale[:n]

@@ -19,7 +19,7 @@ from contin.problems.shooting.sampling import crossings, states
 from contin.problems.shooting.signature import signature
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 SAMPLES: Final = 400
 FINER: Final = 33

@@ -18,7 +18,7 @@ from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes, make_scale
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 NEAR: Final = 0.1  # of the states' sizes: how far apart the halves of an orbit may be for the place to be looked for
 SAME: Final = 1e-6  # ... and are two passages of one orbit

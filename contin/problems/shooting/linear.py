@@ -17,7 +17,7 @@ from contin.problems.shooting.layout import moving
 from contin.problems.shooting.segments import Segments
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 BROKEN = 1e-3  # part of a direction of a null space that the symmetries of the orbits keep, where they keep none of it
 SINGULAR = 1e-6  # a second singular value this small (relative) makes a point a branch point

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Rejected
-from contin.problems.orbits.multipliers import nontrivial
+from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one

@@ -4,8 +4,8 @@ The return map P has, in coordinates along its critical eigenvector q,
 
     LPC   w -> w + a' w^2,   PD   w -> -w + c' w^3,   NS   w -> e^{i theta} w (1 + d' |w|^2),
 
-and a time of return T(y). With the orbit's own normal forms (`contin.problems.orbits.normal_form`), whose phase tau
-runs at a rate that depends on xi, the time to come round is T (1 - a |xi|^2), so that
+and a time of return T(y). With the orbit's own normal forms (`contin.problems.orbits.normal_forms.normal_form`), whose
+phase tau runs at a rate that depends on xi, the time to come round is T (1 - a |xi|^2), so that
 
     PD    c = -c' k / T,      NS   d = (Re d' + i Im d') k / T + i a theta / T,  a = -(DT h11 + D^2T[q, q*]) k / T,
     LPC   b = a' / DT q, where DT q != 0;  b = a' sqrt(k) / T in forced systems, and where the period does not change,
@@ -28,11 +28,11 @@ from contin.normalforms.homological import CentreManifold
 from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.problems.no_derivatives import NoDerivatives
-from contin.problems.orbits.normal_form import stated
+from contin.problems.orbits.normal_forms.normal_form import stated
 from contin.problems.shooting.return_map import ReturnMap
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 SHEARLESS: Final = 1e-7  # change of the period, relative to it and to the eigenvector, up to which it is none
 

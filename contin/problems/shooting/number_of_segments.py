@@ -13,7 +13,7 @@ from contin.problems.shooting.sampling import states
 from contin.problems.shooting.segments import Segments
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 GROWTH = 1e3  # of perturbations in a segment, above which more segments are taken
 MOST = 64

@@ -14,7 +14,7 @@ from contin.simulate.flight import fly
 from contin.simulate.section import Section
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 SAMPLES = 64  # of a period, for extrema of switching functions
 CLOSE = 0.1  # an extremum this small, relative to the function's largest value, nearly touches

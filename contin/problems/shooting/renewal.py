@@ -11,14 +11,14 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop
 from contin.continuation.settings import Settings
-from contin.problems.orbits import ends
-from contin.problems.shooting.at_surface import comes_to_surface
+from contin.problems.orbits.ends import ends
+from contin.problems.shooting.equilibrium_on_surface import at_rest
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import onto_section, quietest, rebased, room
-from contin.problems.shooting.rest import at_rest
+from contin.problems.shooting.unbounded_at_surface import comes_to_surface
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 CLOSE_TO_CORNER = 0.3  # of the best distance: nearer than this to a crossing, the phase is moved
 LOST_SECTION = 0.7  # cosine between flow and normal below which the section is renewed

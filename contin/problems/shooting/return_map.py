@@ -25,7 +25,7 @@ from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 ACCURACY: Final = 1e-13  # of the trajectories
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.sizes import state_sizes
+from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.sizes import state_sizes
 from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
 SAMPLES = 400  # times an extreme is looked for at

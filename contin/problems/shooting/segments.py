@@ -16,7 +16,7 @@ from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 
 

@@ -10,7 +10,7 @@ from contin.abi import Array
 from contin.problems.shooting.sampling import flights
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
 
 TOGETHER = 1e-6  # of the period: crossings this close have no order
 

@@ -12,7 +12,7 @@ from contin.simulate.natural import REMEMBERED, natural_metric
 
 if TYPE_CHECKING:
     from contin.problems.shooting.layout import Nodes
-    from contin.problems.shooting.problem import ShootingProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
     from contin.systems.protocol import System
 
 ABSOLUTE: Final = 1e-2  # absolute tolerances beside relative ones, in these sizes

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from contin.lowering import compile_system
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 if TYPE_CHECKING:
-    from contin.problems.sparse.problem import LargeProblem
+    from contin.problems.sparse.large_equilibrium import LargeProblem
 
 MOST: Final = 400  # states; dense kernels of more would run for hours
 SMALL: Final = 20  # states up to which a function's dense Jacobian costs nothing, whatever form it has

@@ -16,7 +16,7 @@ from contin.model.explain import explain_not_finite
 from contin.model.expression import depends_on, symbol, symbols_in
 from contin.model.kept import kept_with
 from contin.model.model import Model
-from contin.problems.functions.problem import FunctionProblem
+from contin.systems.functions.function_problem import FunctionProblem
 
 LARGE: Final = 150  # states from which sparse factors are quicker than dense kernels, measured on chains and grids
 SPARSE: Final = 0.1  # entries of the Jacobian, as a part of all, above which dense kernels are taken

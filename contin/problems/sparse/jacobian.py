@@ -14,10 +14,10 @@ from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
-from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
-from contin.problems.functions.guarded import called, vector
-from contin.problems.functions.system import FunctionSystem
-from contin.problems.functions.trials import try_sparsity
+from contin.systems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
+from contin.systems.functions.function_system import FunctionSystem
+from contin.systems.functions.guarded import called, vector
+from contin.systems.functions.trials import try_sparsity
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

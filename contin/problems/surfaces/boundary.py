@@ -20,7 +20,7 @@ from contin.model.printing import to_text
 from contin.problems.surfaces.jumps import Jump, jumps_of
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 BUDGET: Final = 30
 SETTLED: Final = 1e-14  # scaled Newton steps

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.problems.surfaces.jumps import Jump
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ from contin.diagram.phase import attractors
 from contin.diagram.phase.attractors import reached
 from contin.diagram.phase.states import State
 from contin.lowering import compile_system
-from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.orbits import simulation
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.search import orbit_by_simulation as by_simulation
 from contin.simulate import trajectory
 from tests.problems.follow import model
 
@@ -80,7 +80,7 @@ def test_an_attractor_without_a_period_is_followed_for_long_once():
         return whole(*args, **kwargs)
 
     whole = trajectory.integrate
-    with mock.patch.object(attractors, "integrate", counted), mock.patch.object(simulation, "integrate", counted):
+    with mock.patch.object(attractors, "integrate", counted), mock.patch.object(by_simulation, "integrate", counted):
         first = attractors.reached(problem, [], 28.0, starts)
         long = sum(times)
         times.clear()
@@ -103,7 +103,7 @@ def test_a_trajectory_that_turns_ever_faster_is_given_up():
         return whole(*args, **kwargs)
 
     whole = trajectory.integrate
-    with mock.patch.object(attractors, "integrate", counted), mock.patch.object(simulation, "integrate", counted):
+    with mock.patch.object(attractors, "integrate", counted), mock.patch.object(by_simulation, "integrate", counted):
         found = attractors.reached(problem, [], 0.0, [np.array([0.05, 0.0])])
     assert (found.seeds, found.rests, found.aperiodic) == ((), (), 0)
     assert max(budget or 0 for budget in allowed) <= 400_000

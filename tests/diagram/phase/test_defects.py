@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.problems.loci.problem import LocusProblem
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from tests.problems.follow import model
 
 TAKENS = model({"x": "y", "y": "p + q*x + x^2 - x*y"}, {"x": -1.0, "y": 0.0}, {"p": -0.5, "q": -0.5})

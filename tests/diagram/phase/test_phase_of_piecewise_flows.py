@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.problems.shooting.loci.problem import ShotLocusProblem
+from contin.loci.shooting.shot_locus import ShotLocusProblem
 from tests.problems.shooting.bent import BENT, JUMPING, TOUCHED, gain, orbits
 
 BOX = {"b1": (-0.5, 0.3), "b2": (-0.6, 1.4)}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.problems.orbits.simulation import orbit_by_simulation
+from contin.search.orbit_by_simulation import orbit_by_simulation
 from tests.problems.follow import model
 
 

@@ -226,7 +226,7 @@ def test_what_has_no_orbit_with_jumps_is_told():
 
 def test_events_that_never_happen_are_told_as_such(monkeypatch):
     """A forced oscillator beside a wall that it never reaches: what is used up is the patience, not the method."""
-    monkeypatch.setattr("contin.problems.hybrid.start.BUDGET", 20_000)
+    monkeypatch.setattr("contin.search.hybrid_orbit.BUDGET", 20_000)
     still = Model(
         "beside", states={"x": 0, "v": 0}, parameters={"w": 3.0},
         equations={"x": "v", "v": "-x - 0.1*v + 0.5*cos(w*t)"}, forcing={"period": "2*pi/w"},

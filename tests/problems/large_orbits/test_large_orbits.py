@@ -6,7 +6,7 @@ from scipy import sparse
 
 import contin
 from contin.errors import InputError
-from contin.problems.large_orbits.problem import LargeOrbitProblem
+from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.radau import A, C, Trajectory
 
 MESH = 1e-4  # error of eight intervals of order 5

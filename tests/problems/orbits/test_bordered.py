@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contin.problems.orbits.bordered import Bordered
+from contin.problems.orbits.linearised.bordered import Bordered
 
 
 def singular(kind, seed):

@@ -7,11 +7,12 @@ import pytest
 
 from contin.lowering import compile_system
 from contin.model.model import Model
-from contin.problems.orbits import bordered, defining
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.linear import OrbitLinear
-from contin.problems.orbits.loci.held import HeldCurve
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.linearised import bordered
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.special_orbits import defining
+from contin.problems.orbits.special_orbits.held_parameter import HeldCurve
 
 BAND = {  # X' = p X - X^3, Y' = -Y beside the circle r = 1, in axes that turn by half of the angle
     "r": "sqrt(x^2 + y^2)", "R": "r - 1", "co": "x/r", "si": "y/r",

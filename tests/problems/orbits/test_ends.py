@@ -10,8 +10,8 @@ from scipy.special import beta
 from contin import api
 from contin.continuation.problem import Stop
 from contin.model.model import Model
-from contin.problems.orbits import ends
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.ends import ends
 
 
 def test_family_that_ends_on_a_fold_of_equilibria():

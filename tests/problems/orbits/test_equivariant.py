@@ -5,7 +5,7 @@ import pytest
 
 from contin import api
 from contin.model.model import Model
-from contin.problems.orbits.defining import solve_special
+from contin.problems.orbits.special_orbits.defining import solve_special
 
 
 def ring():

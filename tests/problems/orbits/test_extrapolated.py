@@ -4,7 +4,7 @@ from math import cos, exp, sin
 
 import pytest
 
-from contin.problems.orbits.extrapolated import extrapolated
+from contin.problems.orbits.ends.extrapolated import extrapolated
 
 
 @pytest.mark.parametrize("gained", [0.1, 0.9, 2.0, 7.0])

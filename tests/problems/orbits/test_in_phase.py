@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from contin.continuation.problem import Sample
 from contin.lowering import compile_system
 from contin.model.model import Model
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.mesh.layout import Profile
 
 MODEL = Model("turn", states={"x": 0, "y": 0}, parameters={"p": 0}, equations={"x": "-y", "y": "x"})
 PROBLEM = OrbitProblem(compile_system(MODEL), np.zeros(1), 0, np.zeros(2), 4)

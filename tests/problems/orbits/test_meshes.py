@@ -10,9 +10,9 @@ from contin import api
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.model.model import Model
-from contin.problems.orbits.layout import Transfer, node_times
-from contin.problems.orbits.linear import OrbitLinear
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.mesh.layout import Transfer, node_times
 
 BOUNDS = (-0.5, 1.0)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contin.kernels.collocation_basis import basis, interpolation
-from contin.problems.orbits.peaks import extrema
+from contin.problems.orbits.mesh.peaks import extrema
 
 
 @pytest.mark.parametrize("m", [2, 3, 4, 5, 7])

@@ -5,8 +5,8 @@ import pytest
 
 from contin import api
 from contin.model.model import Model
-from contin.problems.orbits.linear import OrbitLinear
-from contin.problems.orbits.parts import by_parts
+from contin.problems.orbits.linearised.independent_parts import by_parts
+from contin.problems.orbits.linearised.linear import OrbitLinear
 
 
 def trimmed(row):

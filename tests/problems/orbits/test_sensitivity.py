@@ -7,8 +7,8 @@ import pytest
 
 from contin.model.model import Model
 from contin.model.printing import to_text
-from contin.problems.orbits.linear import OrbitLinear
-from contin.problems.orbits.sensitivity import sensitivity
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.special_orbits.sensitivity import sensitivity
 from tests.truth.planted_orbits import SIMPLE, Hidden
 
 ERROR = 1e-6

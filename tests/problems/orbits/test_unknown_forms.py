@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from contin.problems.orbits import normal_form
-from tests.problems.orbits.loci.test_codim_two import CIRCLE, SQUARE, twisted
+from contin.problems.orbits.normal_forms import normal_form
+from tests.loci.orbits.test_codim_two import CIRCLE, SQUARE, twisted
 from tests.truth.planted_orbits import SIMPLE, Hidden
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from contin import api
 from contin.model.model import Model
-from contin.problems.orbits.vertical import is_reciprocal
+from contin.problems.orbits.ends.vertical import is_reciprocal
 
 
 def family(states, equations, parameter="d", start=0.3):

@@ -9,8 +9,8 @@ import contin
 from contin import api
 from contin.problems.shooting.normal_form import period_doubling
 from contin.problems.shooting.return_map import ReturnMap
-from tests.problems.loci.planes import amplitude
-from tests.problems.orbits.loci.test_codim_two import SQUARE, orbit_on_circle, twisted
+from tests.loci.equilibria.planes import amplitude
+from tests.loci.orbits.test_codim_two import SQUARE, orbit_on_circle, twisted
 from tests.problems.shooting.oscillators import forced_family, relays_in_phase
 from tests.truth.ledger import Expected, Ledger
 from tests.truth.planted_orbits import SIMPLE, Hidden

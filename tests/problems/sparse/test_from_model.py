@@ -8,7 +8,7 @@ import contin
 from contin.continuation.branch import Branch
 from contin.model.model import Model
 from contin.problems.sparse import from_model
-from contin.problems.sparse.problem import LargeProblem
+from contin.problems.sparse.large_equilibrium import LargeProblem
 
 
 def brusselator(cells: int) -> Model:

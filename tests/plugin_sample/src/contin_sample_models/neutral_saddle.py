@@ -10,7 +10,7 @@ from math import nan, sqrt
 import numpy as np
 
 from contin.continuation.branch import Parent
-from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.special.special_type import SpecialType
 from contin.transitions.curve_through import seed_of
 from contin.transitions.registry import born

@@ -1,0 +1,303 @@
+"""Solutions of a boundary-value problem by orthogonal collocation, as a continuation problem in one parameter.
+
+z = (u at the nodes, 1, mesh, p) as of periodic orbits (`contin.problems.orbits.mesh.layout`), u the unknown functions
+of `contin.bvp.two_point`: states, free parameters, integrals. No stability: labels are LP, BP, and user values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.bvp import special_points
+from contin.bvp.condensed import Condensed, Workspace, linearise, residual_at
+from contin.bvp.functionals import columns_of
+from contin.bvp.kernel_at_branch_point import undetermined
+from contin.bvp.sizes import couplings, filled, noticed
+from contin.bvp.two_point import TwoPoint, two_point
+from contin.continuation import march as python_march
+from contin.continuation.branch import End
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.errors import InputError
+from contin.kernels.collocation import Equations
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.layout import Profile, make_scale, profile_of, sizes_of
+from contin.problems.orbits.mesh.move import Move
+from contin.problems.orbits.renewal import refitted
+from contin.problems.scales import parameter_width
+
+MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
+LONGEST_CHUNK = 50
+SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge a size by this factor at most
+STANDING = 1e-9  # part of the tangent below which the parameter does not change
+SAME = 1e-6  # difference of two solutions, relative to their sizes, up to which they are one
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryProblem(Problem):
+    """u' = F(u, p, s), g(u(0), u(1), p) = 0 with one parameter varying.
+
+    two : the standard form.  base : values of its parameters (m,); entry `active` varies.  points : Gauss points an
+    interval.  intervals : fixed number of mesh intervals, or None.
+    """
+
+    two: TwoPoint
+    base: Array
+    active: int
+    points: int = 4
+    intervals: int | None = None
+    tolerance: float = MESH_TOLERANCE
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))
+    spaces: dict[int, Workspace] = field(default_factory=dict)
+
+    kind = "bvp"
+    adaptive = True
+    locus = None
+    maximum_chunk = LONGEST_CHUNK
+    is_map = False
+
+    @property
+    def system(self) -> Any:
+        return self.two.system
+
+    @property
+    def n(self) -> int:
+        return self.two.n
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.two.parameters[self.active],)
+
+    @property
+    def free_names(self) -> tuple[str, ...]:
+        """Parameters that are solved for."""
+        return tuple(self.two.free)
+
+    @cached_property
+    def state_periods(self) -> Array:
+        """None of the functions is an angle."""
+        return np.zeros(self.n)
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The kernels' view of the equations."""
+        scheme, system = basis(self.points), self.two.system
+        return Equations(
+            system.value_address, system.jacobian_address, self.two.period.address, 1, self.n, self.points, self.active,
+            scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(self.n),
+        )  # fmt: skip
+
+    def with_active(self, name: str, z: Array) -> BoundaryProblem:
+        """The same solutions with another parameter varying; the present one is frozen at its value in z."""
+        if name not in self.two.parameters:
+            raise InputError(f"{name} is solved for (`free`), and cannot vary too")
+        base = self.base.copy()
+        base[self.active] = z[-1]
+        return replace(self, base=base, active=self.two.parameters.index(name), spaces={})
+
+    def with_free(self, free: Sequence[str], name: str, z: Array, values: Mapping[str, float]) -> tuple[Self, Array]:
+        """The same solution z with other parameters solved for, `name` varying, and its unknowns there.
+
+        values : of all parameters. InputError where the conditions are too few or too many for `free`.
+        """
+        two, profile = two_point(self.two.model, free), self.profile(z)
+        if name not in two.parameters:
+            raise InputError(f"{name} is solved for (`free`), and cannot vary too")
+        u = profile.u.copy()
+        u[:, two.n_states : two.n_states + len(two.free)] = [values[q] for q in two.free]
+        base = np.array([values[q] for q in two.parameters])
+        problem = replace(self, two=two, base=base, active=two.parameters.index(name), spaces={})
+        return problem, replace(profile, u=u, parameter=values[name]).vector()
+
+    def workspace(self, intervals: int, p: Array) -> Workspace:
+        """The kernels' memory for this many intervals."""
+        if intervals not in self.spaces:
+            self.spaces.clear()
+            self.spaces[intervals] = Workspace.of(self.n, self.points, intervals, p)
+        work = self.spaces[intervals]
+        work.points.p[:] = p
+        return work
+
+    def profile(self, z: Array) -> Profile:
+        return profile_of(z, self.n, self.points)
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """The functions' sizes (n,) in a metric that belongs to z's mesh."""
+        return sizes_of(scale, self.profile(z).h, self.n, self.points)
+
+    def full_parameters(self, z: Array) -> Array:
+        """All parameter values at z, and a place for s: (m + 1,)."""
+        p = np.append(self.base, 0.0)
+        p[self.active] = z[-1]
+        return p
+
+    def conditions(self, profile: Profile, p: Array) -> tuple[Array, Array]:
+        """g (n,) and its derivatives by (u(0), u(1), p)."""
+        return self.two.conditions.jacobian(profile.u[0], profile.u[-1], p[:-1])
+
+    def constants(self) -> dict[str, float]:
+        return dict(zip(self.two.parameters, self.base.tolist(), strict=True))
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found = self.two.model.parameter_range(parameter, self.constants())
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """On the mesh that is asked for."""
+        if seed.born or (settings.points == self.points and settings.intervals == self.intervals):
+            return seed
+        problem = replace(self, points=settings.points, intervals=settings.intervals, spaces={})
+        old = self.profile(seed.z)
+        count = settings.intervals or old.intervals
+        h = old.h if count == old.intervals else np.full(count, 1.0 / count)
+        target = Profile(settings.points, np.empty((len(h) * settings.points + 1, old.n)), 1.0, h, old.parameter)
+        return replace(seed, problem=problem, z=replace(target, u=old.at(target.times)).vector())
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        width = parameter_width(self.two.model, self.parameters[0], float(z[-1]), bounds)
+        profile = self.profile(z)
+        return make_scale(profile.h, self.points, self.natural_sizes(z, profile, width), 1.0, width)
+
+    def natural_sizes(self, z: Array, profile: Profile, width: float) -> Array:
+        """Declared sizes; else those of the solution, or how far the parameter's range moves it to first order.
+
+        A size that no equation would notice is rounding, and says nothing (`contin.bvp.sizes`).
+        """
+        size = np.abs(profile.u).max(axis=0)
+        fixed = np.zeros_like(z)
+        fixed[-1] = 1.0
+        here = linearise(self, z, fixed, np.ones_like(z))
+        motion = np.zeros(self.n)
+        if here is not None and here.sign != 0.0:
+            moved = here.solve(np.append(np.zeros(z.size - 1), 1.0))[: profile.u.size].reshape(-1, self.n)
+            found = np.abs(moved).max(axis=0) * width
+            motion = np.where(np.isfinite(found), found, 0.0)
+        declared = np.zeros(self.n)
+        declared[: self.two.n_states] = self.two.model.scales(self.constants())
+        coupling = couplings(self, z)
+        seen = noticed(np.where(declared > 0.0, declared, size), coupling)
+        grown = np.where(seen > 0.0, np.maximum(seen, np.minimum(motion, SENSITIVITY_CAP * seen)), motion)
+        sizes = noticed(np.where(declared > 0.0, declared, grown), coupling)
+        return filled(sizes, coupling)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Condensed | None:
+        return linearise(self, z, tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """There is none."""
+        return np.zeros(0), 0, np.zeros(0, complex)
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        return special_points.tangents(self, z, scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        still = replace(self, angle_periods=np.zeros(origin.z.size - 1))
+        return python_march.march(still, origin, before, length, frame, step, limit, bounds, settings, loop)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(self, base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return special_points.at_parameter(self, guess, value, scale)
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return special_points.explain(a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return {"LP": 0, "BP": 1}.get(type_)  # None for those with a test of their own
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        return special_points.verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        return special_points.verify_compound(self, a, b, frame)
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        return columns_of(self, z)
+
+    def column_names(self) -> tuple[str, ...]:
+        """Names that `columns` gives, for user values."""
+        states = (f"{s}.{e}" for s in self.two.model.state_names for e in ("start", "end", "min", "max", "norm"))
+        return (self.parameters[0], *self.two.free, *states, *self.two.model.observables)
+
+    # -- the mesh ------------------------------------------------------------------------------------------------------
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        """The mesh and the sizes for the next chunk."""
+        end = _standing(self, origin, before)
+        if end is not None:
+            return Renewal(frame.scale, origin, before, loop, end)
+        profile = self.profile(origin.z)
+        fit = refitted(self, profile, self.sizes(origin.z, frame.scale), 1.0)
+        if fit is None:
+            return Renewal(frame.scale, origin, before, loop)
+        scale = make_scale(fit.h, self.points, fit.sizes, 1.0, float(frame.scale[-1]))
+        move = Move(self, frame.scale, scale, fit.h)
+        return Renewal(
+            scale, move(origin), None if before is None else move(before), None if loop is None else move(loop)
+        )
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        one, other = self.profile(a.z), self.profile(b.z)
+        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+        times = np.linspace(0.0, 1.0, 21)
+        apart = np.abs(one.at(times) - other.at(times)).max(axis=0)
+        sizes = np.maximum(np.abs(one.u).max(axis=0), np.abs(other.u).max(axis=0))
+        near = bool(np.all(apart <= max(SAME, float(np.sqrt(slack / scale[-1]))) * np.maximum(sizes, 1e-300)))
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and near
+
+    def trouble(self, z: Array) -> str:
+        """Where the equations have no value on the solution, and why; empty where they have one everywhere."""
+        if residual_at(self, z) is not None:
+            return ""
+        profile = self.profile(z)
+        times = profile.gauss_times
+        p = self.full_parameters(z)
+        for s, u in zip(times, profile.at(times), strict=True):
+            p[-1] = s
+            text = self.two.explain(u, p)
+            if text:
+                return text
+        return ""
+
+    def describe_failure(self, z: Array) -> str:
+        trouble = self.trouble(z)
+        if trouble:
+            return trouble
+        profile = self.profile(z)
+        error, _ = estimate(profile, np.maximum(np.abs(profile.u).max(axis=0), 1e-300))
+        if error > 100.0 * self.tolerance:
+            return (
+                f"The mesh of {profile.intervals} intervals does not resolve the solution (estimated error "
+                f"{error:.1e}): it has a layer here. Try settings.intervals, or a smaller settings.max_step."
+            )
+        loose = undetermined(self, z)
+        return loose or "Try a smaller settings.step or min_step; check that conditions and equations are smooth here."
+
+
+def _standing(problem: BoundaryProblem, origin: Sample, before: Sample | None) -> End | None:
+    """The end of a branch along which the parameter no longer changes: vertical, or growing without bound."""
+    if before is None or max(abs(float(s.tangent[-1])) for s in (origin, before)) > STANDING:
+        return None
+    size = float(np.abs(problem.profile(origin.z).u).max())
+    return End(
+        "bound",
+        f"{problem.parameters[0]} stays at {origin.z[-1]:.6g} while the solution changes (largest value {size:.3g}): "
+        "the branch is vertical there, or grows without bound",
+    )

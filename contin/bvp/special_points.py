@@ -1,0 +1,306 @@
+"""Folds and branch points of boundary-value problems: what a change means, location to full precision, tangents.
+
+A fold is the zero of dp/ds on the curve, a branch point that of the gradient of the reduced equation; both on the mesh
+of the branch. The stated error holds what the same point moves to on a mesh of twice as many intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp import normal_forms
+from contin.bvp.condensed import residual_at
+from contin.bvp.kernel_at_branch_point import kernel_dimension, nearly_null, null_vector
+from contin.bvp.on_mesh import OnMesh
+from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.errors import InputError
+from contin.linalg.vectors import norm
+from contin.problems.orbits.mesh.layout import make_scale
+from contin.problems.sparse.reduced_equation import Reduced
+from contin.problems.sparse.special_points import secant
+from contin.records import Fields
+
+if TYPE_CHECKING:
+    from contin.bvp.boundary_problem import BoundaryProblem
+
+RESIDUAL_LIMIT = 1e-7
+NEWTON = 20  # iterations with a fixed parameter
+SHORTEST = 1e-3  # damping
+LONG = 60  # iterations with whole steps
+FAR = 1e4  # a whole step that leads nowhere
+NEAR = 1e-3  # a whole step after which the damped iteration takes over
+ACCURATE = 1e-13
+STALLED = 1e-8  # a correction that no longer falls, because of rounding
+BLURRED = 1e-4  # a correction that may be rounding of a nearly singular problem
+FALLEN = 0.01  # part of the residual that is left after a Newton step that has worked
+REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix without it is singular
+PERTURBATION = 1e-8
+ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
+WITHIN = 3.0  # errors of a coefficient within which it is zero
+NO_VALUES = np.zeros(0, complex)
+ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """The determinant changes sign at branch points; dp/ds at folds, and at a pitchfork seen from its side branch."""
+    fold, determinant = (bool(x) for x in a.tests[:2] * b.tests[:2] < 0.0)
+    if determinant:
+        return ("BP",)
+    return ("LP",) if fold else ()
+
+
+def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The point of this type near a sample, to full precision."""
+    mesh = OnMesh(problem, problem.profile(near.z).h)
+    here = _in_unknowns(mesh, near)
+    local = Frame(mesh.unknowns(frame.scale))
+    found = (_fold if type_ == "LP" else _branch_point)(mesh, here, local)
+    if isinstance(found, Rejected):
+        return found
+    x, residual, scatter, form, vectors = found
+    other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
+    if other is None:
+        return unverified(type_, "it is not there on a mesh of twice as many intervals")
+    crowded = False
+    if type_ == "BP":
+        form = _decided(mesh, x, form, scatter + abs(other - float(x[-1])))
+        crowded = nearly_null(mesh, x).shape[1] > 1
+    error = scatter + ORDER * abs(other - float(x[-1])) + ROUNDING * abs(float(x[-1]))
+    return Verified(type_, mesh.full(x), residual, error, NO_VALUES, 0, form, vectors, crowded=crowded)
+
+
+def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+    """Several changes at one place: the branch points there, else a fold."""
+    types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
+    if not types:
+        return []
+    return _together(problem, a, frame) if types[0] == "BP" else [verify(problem, "LP", a, frame)]
+
+
+def _together(problem: BoundaryProblem, near: Sample, frame: Frame) -> Sequence[Outcome]:
+    """The branch points next to a sample, one for each small singular value, and a word where fewer are found."""
+    mesh = OnMesh(problem, problem.profile(near.z).h)
+    here, local = _in_unknowns(mesh, near), Frame(mesh.unknowns(frame.scale))
+    if mesh.at(here.z) is None:
+        return [verify(problem, "BP", near, frame)]
+    directions = nearly_null(mesh, here.z)
+    found: list[Outcome] = []
+    for q in directions.T:
+        first = _branch_point(mesh, here, local, q)
+        if isinstance(first, Rejected):
+            continue
+        one = verify(problem, "BP", replace(near, z=mesh.full(first[0])), frame)
+        if isinstance(one, Verified) and not any(_is_one(one, o, mesh, local) for o in found):
+            found.append(one)
+    if not found:
+        return [verify(problem, "BP", near, frame)]
+    kernel = max(int(o.normal_form.get("kernel", 1)) for o in found if isinstance(o, Verified))
+    if len(found) < directions.shape[1] and kernel == 1:
+        found.append(unverified("BP", "others lie so close to it that they are not told apart"))
+    return found
+
+
+def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:
+    assert isinstance(b, Verified)
+    apart = norm((mesh.unknowns(a.z) - mesh.unknowns(b.z)) / frame.scale)
+    return apart <= 3.0 * (a.error + b.error) / float(frame.scale[-1]) + ROUNDING
+
+
+Found = tuple[Array, float, float, Fields, Fields]  # x, residual, error, normal form, vectors
+
+
+def _in_unknowns(mesh: OnMesh, sample: Sample) -> Sample:
+    t = mesh.unknowns(sample.tangent)
+    return Sample(mesh.unknowns(sample.z), t / norm(t), sample.tests, 0, NO_VALUES)
+
+
+def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
+    found = secant(mesh, near, frame, lambda at: float(at.tangent[-1]))
+    if found is None:
+        return unverified("LP", "the parameter does not turn at one point of the curve")
+    at, left, error, _ = found
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT:
+        return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
+    q = at.tangent[:-1] * frame.scale[:-1]
+    return at.z, residual, error, normal_forms.fold(mesh, at.z, q), {}
+
+
+def reduction(
+    mesh: OnMesh, x: Array, tangent: Array, scale: Array, q: Array | None = None
+) -> tuple[Reduced, Array]:  # fmt: skip
+    """The reduced equation at x, bordered by q (the null vector of F_u; returned too) and the direction across it."""
+    q = null_vector(mesh, x) if q is None else q
+    null = np.append(q, 0.0) / scale
+    null /= norm(null)
+    other = tangent - (tangent @ null) * null
+    if norm(other) < 1e-6:
+        other = np.append(np.zeros(mesh.n), 1.0)
+    other /= norm(other)
+    rows = np.column_stack([null, other]) / scale[:, None]
+    linear = mesh.linear(x)
+    assert linear is not None
+    left = linear.factor.solve_transposed(q)
+    return Reduced(mesh, rows, left / norm(left)), q
+
+
+def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = None) -> Found | Rejected:
+    reduced, _ = reduction(mesh, near.z, near.tangent, frame.scale, q)
+    found = reduced.branch_point(near.z)
+    if found is None:
+        return unverified("BP", "Newton on the reduced equation did not converge")
+    x, mu, gradient = found
+    residual = max(float(np.max(np.abs(mesh.residual(x)))), abs(mu), float(np.max(np.abs(gradient))))
+    if not residual < RESIDUAL_LIMIT:
+        return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
+    shift = np.random.default_rng(3).uniform(-1.0, 1.0, x.size) / np.sqrt(x.size)
+    again = reduced.branch_point(x + PERTURBATION * frame.scale * shift)
+    scatter = np.inf if again is None else 4.0 * abs(float(again[0][-1] - x[-1]))
+    if not np.isfinite(scatter):
+        return unverified("BP", "its place is not determined to any accuracy")
+    return x, residual, scatter, normal_forms.branch_point(mesh, x, null_vector(mesh, x)), {"kernel": 1}
+
+
+def _decided(mesh: OnMesh, x: Array, form: Fields, error: float) -> Fields:
+    """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
+
+    Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
+    dimension there are no coefficients of one direction.
+    """
+    kernel = kernel_dimension(mesh, x)
+    if kernel > 1:
+        return {"kind": "degenerate", "kernel": kernel}
+    moved = x.copy()
+    moved[-1] += max(error, ROUNDING)
+    other = normal_forms.branch_point(mesh, moved, null_vector(mesh, x))
+    errors = {name: abs(float(form[name]) - float(other[name])) for name in ("b11", "b20", "b30")}
+    found = {name: value for name, value in form.items() if name != "criticality"} | {"errors": errors}
+    if form["kind"] == "pitchfork" and abs(float(form["b30"])) <= WITHIN * errors["b30"]:
+        found["criticality"] = "degenerate"
+    return found
+
+
+def _on_finer_mesh(
+    problem: BoundaryProblem, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
+) -> float | None:
+    """The parameter of the same point where every interval is halved."""
+    h = np.repeat(0.5 * mesh.h, 2)
+    finer = OnMesh(problem, h)
+    old = mesh.profile(x).on_mesh(h)
+    sizes = problem.sizes(near.z, frame.scale)
+    scale = finer.unknowns(make_scale(h, problem.points, sizes, 1.0, float(frame.scale[-1])))
+    raw = mesh.unknowns(near.tangent) * mesh.unknowns(frame.scale)
+    t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale
+    start = Sample(np.append(old.u.ravel(), x[-1]), t / norm(t), near.tests, 0, NO_VALUES)
+    found = (_fold if type_ == "LP" else _branch_point)(finer, start, Frame(scale))
+    return None if isinstance(found, Rejected) else float(found[0][-1])
+
+
+def tangents(problem: BoundaryProblem, z: Array, scale: Array) -> list[Array]:
+    """Unit tangents (scaled, like z) of the branches through z: one, or at a branch point two."""
+    mesh = OnMesh(problem, problem.profile(z).h)
+    x, d = mesh.unknowns(z), mesh.unknowns(scale)
+    row = np.random.default_rng(5).normal(size=x.size)
+    here = mesh.linearisation(x, row / norm(row), d)
+    if here is None:
+        raise InputError(problem.describe_failure(z))
+    t = here.solve(np.append(np.zeros(x.size - 1), 1.0))
+    size = norm(t)
+    if np.isfinite(size) and size < REGULAR:
+        return [embedded(mesh, t)]
+    reduced, _ = reduction(mesh, x, np.append(np.zeros(mesh.n), 1.0), d)
+    return [embedded(mesh, direction / d) for direction, _ in reduced.crossing(x)] or [embedded(mesh, t)]
+
+
+def embedded(mesh: OnMesh, x: Array) -> Array:
+    """A direction in x as one in z (the mesh does not move), of unit length."""
+    out = np.zeros(mesh.n + len(mesh.h) + 2)
+    out[: mesh.n], out[-1] = x[:-1], x[-1]
+    return out / norm(out)
+
+
+def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Array) -> Array | None:
+    """Newton with the parameter fixed, damped by the natural monotonicity test (Deuflhard 2004); None: failed."""
+    fixed = np.zeros_like(scale)
+    fixed[-1] = 1.0
+    z = guess.copy()
+    z[-1] = value
+    before, damping = np.inf, 1.0
+    for _ in range(NEWTON):
+        here = problem.linearisation(z, fixed, scale)
+        if here is None or here.sign == 0.0:
+            return None
+        step = here.solve(np.append(-here.residual, 0.0))
+        size = norm(step)
+        if not np.isfinite(size):
+            return None
+        if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
+            return z if size >= before else _moved(z, scale, step, value)
+        if 0.1 * before < size < BLURRED and met_to_rounding(problem, z):  # (shrinking steps are no noise)
+            return z
+        damping = min(1.0, 4.0 * damping)
+        while True:
+            trial = _moved(z, scale, damping * step, value)
+            left = residual_at(problem, trial)
+            again = np.inf if left is None else norm(here.solve(np.append(-left, 0.0)))
+            if again <= (1.0 - 0.25 * damping) * size or again < STALLED or _smaller(left, here.residual, again):
+                break
+            damping *= 0.5
+            if damping < SHORTEST:
+                return z if size < BLURRED and met_to_rounding(problem, z) else None
+        z, before = trial, size if damping == 1.0 else np.inf
+    return None
+
+
+def at_parameter_from_afar(problem: BoundaryProblem, guess: Array, value: float, scale: Array) -> Array | None:
+    """Newton with the parameter fixed and whole steps, as far as they lead; None: no solution in `LONG` iterations.
+
+    Where damping keeps a guess between two solutions, whole steps leave that place. (Guesses of localised patterns of
+    the Swift-Hohenberg equation: 13 of 16 find a solution, 4 with damping.)
+    """
+    fixed = np.zeros_like(scale)
+    fixed[-1] = 1.0
+    z = guess.copy()
+    z[-1] = value
+    for _ in range(LONG):
+        here = problem.linearisation(z, fixed, scale)
+        if here is None or here.sign == 0.0:
+            return None
+        step = here.solve(np.append(-here.residual, 0.0))
+        size = norm(step)
+        if not size < FAR:
+            return None
+        z = _moved(z, scale, step, value)
+        if size < NEAR:
+            return at_parameter(problem, z, value, scale)
+    return None
+
+
+def met_to_rounding(problem: BoundaryProblem, z: Array) -> bool:
+    """Whether the residual at z is rounding of its own terms: corrections are then noise, however nearly singular F_u.
+
+    (A pulse on a long interval moves by exp(-length) for conditions at its ends: its place is known to no more.)
+    """
+    mesh = OnMesh(problem, problem.profile(z).h)
+    x = mesh.unknowns(z)
+    here = mesh.at(x)
+    if here is None:
+        return False
+    terms = here.linear.magnitude(np.abs(x[:-1])) + np.abs(here.slope * x[-1])
+    return bool(np.all(np.abs(here.residual) <= ROUNDING * terms))
+
+
+def _smaller(left: Array | None, residual: Array, again: float) -> bool:
+    """Whether a full Newton step has worked although the next one is no shorter: F_u is nearly singular there."""
+    return left is not None and again < BLURRED and norm(left) < FALLEN * norm(residual)
+
+
+def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:
+    moved = z + scale * step
+    moved[-1] = value
+    return moved

@@ -1,0 +1,105 @@
+"""Closed curves of orbits: their rows are on meshes that change, so they are told by what no mesh changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.arm import Arm
+from contin.continuation.branch import End
+from contin.continuation.problem import is_planar
+from contin.continuation.segment import Piece
+
+BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it
+WIDELY = 3.0  # ... and where only the parameters are looked at, which may change less than the orbit does
+SAME = 1e-4  # relative differences of parameters, period and extents of one orbit on two meshes
+
+
+def until_closed(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
+    """The pieces of an arm, to the point where it is back at its start; then `arm.end` says so.
+
+    Only curves of orbits in two parameters are looked at: other closed branches are seen by the march itself.
+    """
+    name = arm.problem.parameters[0]
+    if not (arm.problem.adaptive and is_planar(arm.problem)):
+        yield from pieces
+        return
+    loop = _Loop(arm, start)
+    for piece in pieces:
+        closed = loop.closed(piece)
+        if closed is None:
+            yield piece
+            continue
+        arm.end = End("closed", f"closed loop: back at the start, {name} = {start[-1]:.10g}")
+        yield closed
+        return
+
+
+@dataclass(eq=False)
+class _Loop:
+    """Passing the start in the sense in which the arm left it."""
+
+    arm: Arm
+    start: Array
+
+    def __post_init__(self) -> None:
+        self.problem: Any = self.arm.problem  # of orbits: with a system, and planar
+        problem: Any = self.problem
+        self.places = [index for index, _, _ in reversed(problem.walls)][:2]  # of both parameters
+        self.first = self._marks(self.start[None])[0]
+        ranges = np.abs(self.arm.scale[self.places])
+        extents = np.abs(self.first[2:])
+        self.sizes = np.append(ranges, np.maximum(extents, 1e-3 * extents.max(initial=0) or 1.0))
+        self.last = self.start  # row
+        self.away: Array | None = None  # the first step
+
+    def _marks(self, z: Array) -> Array:
+        """(rows, k) of both parameters, the period if there is one, and the smallest and largest states."""
+        columns = self.problem.columns(z)
+        states = [f"{name}.{end}" for name in self.problem.system.state_names for end in ("min", "max")]
+        names = [*self.problem.parameters, "period", *states]
+        return np.column_stack([columns[name] for name in names if name in columns])
+
+    def closed(self, piece: Piece) -> Piece | None:
+        """The piece up to the start, where one of its steps passes that."""
+        target = self.first / self.sizes
+        for row, z in enumerate(piece.z):
+            last, self.last = self.last, z
+            if self.away is not None and not self._comes_near(last, z):
+                continue
+            before = self._marks(last[None])[0] / self.sizes
+            step = self._marks(z[None])[0] / self.sizes - before
+            if self.away is None:
+                self.away = step
+            elif float(step @ self.away) > 0.0 and _passes(before, step, target, BESIDE):
+                there = self._solved(piece, row, step)
+                if there is not None:
+                    return replace(piece.cut(row + 1), z=np.vstack([piece.z[:row], there]))
+        return None
+
+    def _comes_near(self, last: Array, z: Array) -> bool:
+        """True where the parameters, which cost nothing, do not rule out that the step from `last` to z does."""
+        ends = last[self.places] / self.sizes[:2], z[self.places] / self.sizes[:2]
+        return _passes(ends[0], ends[1] - ends[0], self.first[:2] / self.sizes[:2], WIDELY, around=1.0)
+
+    def _solved(self, piece: Piece, row: int, step: Array) -> Array | None:
+        """The point of the curve at the start's value of the parameter that moves most; None if it is another one."""
+        axis = int(np.argmax(np.abs(step[:2])))
+        place = self.places[axis]
+        z = self.problem.at_unknown(place, piece.z[row], float(self.start[place]), piece.scale)
+        if z is None:
+            return None
+        gaps = (self._marks(z[None])[0] - self.first) / self.sizes
+        return np.asarray(z) if float(np.abs(gaps).max()) < SAME else None
+
+
+def _passes(a: Array, step: Array, target: Array, beside: float, around: float = 0.0) -> bool:
+    """True where the target is beside the chord, or the part `around` of its length before or after it."""
+    length = float(step @ step)
+    t = float((target - a) @ step) / max(length, 1e-300)
+    near = float(np.linalg.norm(a + t * step - target)) <= beside * np.sqrt(length)
+    return -around < t <= 1.0 + around and near

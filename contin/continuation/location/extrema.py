@@ -1,0 +1,123 @@
+"""Extrema (EX) of a parameter or column along a curve: zeros of its derivative by arclength.
+
+The derivative of a column c along the curve is that of c(z) along the tangent, by the five-point difference: of order
+four in the step, so that its zero is as good as c itself is (an error of c of 1e-16 moves it by some 1e-13).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.curve import Stretch
+from contin.continuation.location.found import Found
+from contin.continuation.problem import Problem, Sample, Verified
+from contin.machine import elementary
+
+STEP = 1e-3  # of the differences (scaled arclength)
+ACCURACY = 1e-12  # of the place (scaled arclength)
+TURNING = 1e-6  # part of the tangent below which the parameter stands still
+SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
+SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
+EPSILON = float(np.finfo(float).eps)
+SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
+# of rounding errors in succession
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """`column` (a varying parameter, a state or an observable) is to be labelled where it turns."""
+
+    column: str
+
+    def slopes(self, problem: Problem, z: Array, tangents: Array, scale: Array) -> Array:
+        """dc/ds at rows z with their unit tangents (scaled), (R,)."""
+        if self.column == problem.parameters[0]:
+            return np.asarray(tangents[:, -1] * scale[-1])
+        step = STEP * scale * tangents
+        far, near = (self.values(problem, z + k * step) - self.values(problem, z - k * step) for k in (2.0, 1.0))
+        return np.asarray((8.0 * near - far) / (12.0 * STEP))
+
+    def values(self, problem: Problem, z: Array) -> Array:
+        return np.asarray(problem.columns(z)[self.column], dtype=float)
+
+    def slope(self, stretch: Stretch, sample: Sample) -> float:
+        """dc/ds at one sample."""
+        return float(self.slopes(stretch.problem, sample.z[None], sample.tangent[None], stretch.frame.scale)[0])
+
+    def rounding(self, problem: Problem, z: Array, scale: Array) -> float:
+        """What rounding of the unknowns, relative to their scales, and of the column itself makes of it near z."""
+        around = z + EPSILON * scale * SIGNS[:, np.arange(z.size) % SIGNS.shape[1]]
+        values = self.values(problem, np.vstack([z, around]))
+        return float(np.abs(values[1:] - values[0]).max() + EPSILON * abs(values[0]))
+
+    def zero(self, stretch: Stretch, a: Sample, b: Sample) -> tuple[Sample, float]:
+        """The point between two at which the slopes have different signs where it vanishes; how well it is known."""
+
+        def slope(sample: Sample) -> float:
+            return self.slope(stretch, sample)
+
+        a, b = stretch.zero(slope, a, b, ACCURACY)
+        return (a if abs(slope(a)) <= abs(slope(b)) else b), stretch.distance(a, b)
+
+    def verified(
+        self, stretch: Stretch, near: Sample, width: float, ends: tuple[Sample, Sample], rising: bool
+    ) -> Found | None:
+        """The extremum at a zero of the slope, between two ends at which the column is on the other side.
+
+        None where the curve cannot be followed, and where the column does not stand out of its own scatter: one that
+        is constant along the curve turns nowhere, although rounding gives its slopes signs.
+        """
+        problem, scale = stretch.problem, stretch.frame.scale
+        beside = self._beside(stretch, near)
+        if beside is None:
+            return None
+        bend = _derivative([self.slope(stretch, sample) for sample in beside])
+        rounding = self.rounding(problem, near.z, scale)
+        if not self._stands_out(problem, near, beside, ends, rising, rounding):
+            return None
+        size = float(np.abs(self.values(problem, near.z[None]))[0])
+        width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
+        rate = float(near.tangent[-1] * scale[-1])
+        turning = abs(float(near.tangent[-1])) <= TURNING
+        form = {
+            "of": self.column,
+            "kind": "maximum" if rising else "minimum",
+            "curvature": bend if turning else bend / elementary.square(rate),
+        }
+        error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
+        residual = abs(self.slope(stretch, near)) / max(size, float(np.abs(bend)), 1e-300)
+        point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
+        return Found(stretch.length_of(near), point, near)
+
+    def _stands_out(
+        self, problem: Problem, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,
+        rounding: float,
+    ) -> bool:  # fmt: skip
+        """True where the column is lower (at a maximum) at the ends by more than its scatter next to the point."""
+        close = np.array([*(sample.z for sample in beside), at.z])
+        values = self.values(problem, close)
+        s = np.array([*SIDES, 0.0]) / STEP
+        fit = np.stack([np.ones_like(s), s, elementary.square(s)], axis=1)
+        scatter = float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max()) + rounding
+        drops = (values[-1] - self.values(problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
+        return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
+
+    def _beside(self, stretch: Stretch, at: Sample) -> list[Sample] | None:
+        """Four points of the curve next to `at`; None where it cannot be followed there."""
+        samples = []
+        for side in SIDES:
+            guess = at.z + side * stretch.frame.scale * at.tangent
+            sample = stretch.problem.probe(at, side, guess, stretch.frame, stretch.settings)
+            if sample is None:
+                return None
+            samples.append(sample)
+        return samples
+
+
+def _derivative(values: Sequence[float]) -> float:
+    """The five-point difference of values at `SIDES`."""
+    return float((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * STEP))

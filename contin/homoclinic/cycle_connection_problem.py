@@ -1,0 +1,208 @@
+"""Connecting orbits to and from cycles as a continuation problem: a boundary-value problem with columns of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp.boundary_problem import BoundaryProblem
+from contin.bvp.functionals import columns_of
+from contin.continuation import march as python_march
+from contin.continuation.problem import Chunk, Frame, Outcome, Sample
+from contin.continuation.settings import Settings
+from contin.linalg.vectors import norm
+from contin.machine import elementary
+from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.two_parameters import OnAdaptiveMesh
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+UNBOUNDED = (-np.inf, np.inf)
+NEWTON, ACCURATE, STALLED = 15, 1e-11, 1e-7
+PART = 1e-3  # of a mode, in the states' sizes
+CHUNK = 5  # a step takes some 50 ms
+
+
+@dataclass(frozen=True, eq=False)
+class Isolated(BoundaryProblem):
+    """Through a solution one branch passes, whose tangent the condensed equations give: no crossings are looked for."""
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        row = np.zeros(z.size)
+        row[-1] = 1.0
+        here = self.linearisation(z, row, scale)
+        if here is None or here.sign == 0.0:
+            return super().tangents(z, scale)
+        t = here.solve(np.append(np.zeros(z.size - 1), 1.0))
+        size = norm(t)
+        return [t / size] if np.isfinite(size) else super().tangents(z, scale)
+
+    def natural_sizes(self, z: Array, profile: Profile, width: float) -> Array:
+        """No component of a mode is smaller than a part of the mode: some vanish (of driven flows), to rounding."""
+        sizes = super().natural_sizes(z, profile, width)
+        seen, names = np.abs(profile.u).max(axis=0), self.two.names
+        modes: dict[str, list[tuple[int, int]]] = {}
+        for k, name in enumerate(names[: self.two.n_states]):
+            state, _, mark = name.partition(":")
+            if mark.startswith("w"):
+                modes.setdefault(mark, []).append((k, names.index(state)))
+        for pairs in modes.values():
+            own, of = np.array([k for k, _ in pairs]), np.array([j for _, j in pairs])
+            largest = float(np.max(seen[own] * sizes[of]))
+            sizes[own] = np.maximum(sizes[own], PART * largest / sizes[of])
+        return sizes
+
+
+@dataclass(frozen=True, eq=False)
+class Homotopy(Isolated):
+    """On the way to a connecting orbit: no special points are looked for."""
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return ()
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        return ()
+
+
+@dataclass(frozen=True, eq=False)
+class ConnectionToCycle(Isolated):
+    """One parameter varies; `user` is the model whose orbits these are, `cycles` the ends (1, 2) that are cycles."""
+
+    user: Model | None = None
+    cycles: tuple[int, ...] = ()
+
+    kind = "connection"
+    maximum_chunk = CHUNK
+
+    @property
+    def model(self) -> Model:
+        assert self.user is not None
+        return self.user
+
+    @property
+    def has_stability(self) -> bool:
+        return False
+
+    @property
+    def free_names(self) -> tuple[str, ...]:
+        """None of the user's, beside those that `parameters` names."""
+        return ()
+
+    def constants(self) -> dict[str, float]:
+        known = super().constants()
+        return {name: known[name] for name in self.model.parameter_names if name in known}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found = self.model.parameter_range(parameter, {**self.model.default_parameters({}), **self.constants()})
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    def orbit_at(self, z: Array) -> Profile:
+        """The connecting orbit alone, with its time."""
+        whole, n = self.profile(z), len(self.model.state_names)
+        return replace(whole, u=whole.u[:, :n].copy(), period=self.time(z))
+
+    def time(self, z: Array) -> float:
+        """Of the connecting orbit between its ends."""
+        p = dict(zip(self.two.parameters, self.full_parameters(z)[:-1].tolist(), strict=True))
+        period = self.two.free.index(f"period:{self.cycles[0]}")
+        return float(p["T:"]) * float(z[self.two.n_states + period])
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Parameters, smallest and largest values of the states on the connecting orbit and the cycle(s), periods."""
+        found, names = columns_of(self, z), self.model.state_names
+        columns = {name: found[name] for name in self.parameters}
+        for name in names:
+            columns |= {f"{name}.{end}": found[f"{name}.{end}"] for end in ("min", "max")}
+        for place in (1, 2):
+            mark = "" if place == 1 else "2"
+            if place not in self.cycles:
+                columns |= {f"{name}.saddle{mark}": found[f"{name}:saddle{place}"] for name in names}
+                continue
+            mark = "" if len(self.cycles) == 1 else mark
+            columns[f"period{mark}"] = found[f"period:{place}"]
+            for name in names:
+                columns |= {f"{name}.cycle{mark}.{end}": found[f"{name}:{place}.{end}"] for end in ("min", "max")}
+            k = 0
+            while f"sigma{k}:{place}" in found:
+                columns[f"multiplier{mark}{f'.{k + 1}' if k else ''}"] = elementary.exp(found[f"sigma{k}:{place}"])
+                k += 1
+        return columns
+
+    def column_names(self) -> tuple[str, ...]:
+        return (*self.parameters, *(f"{name}.{end}" for name in self.model.state_names for end in ("min", "max")))
+
+    def describe_failure(self, z: Array) -> str:
+        return "The connecting orbit, or its cycle, is not resolved any more. " + super().describe_failure(z)
+
+
+@dataclass(frozen=True, eq=False)
+class CurveOfConnections(OnAdaptiveMesh, ConnectionToCycle):
+    """The second parameter is solved for, within bounds of its own."""
+
+    second: str = ""
+    kind = "locus"
+    locus = "HOM"  # type: ignore[assignment]
+    first_bounds: tuple[float, float] = UNBOUNDED
+    second_bounds: tuple[float, float] = UNBOUNDED
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.two.parameters[self.active], self.second)
+
+    @property
+    def place(self) -> int:
+        """Of the second parameter in z: a constant function, whose first value stands for it."""
+        return self.two.n_states + self.two.free.index(self.second)
+
+    def within(self, first: tuple[float, float], second: tuple[float, float]) -> CurveOfConnections:
+        return replace(self, first_bounds=first, second_bounds=second)
+
+    @property
+    def walls(self) -> Sequence[tuple[int, float, float]]:
+        return [(self.place, *self.second_bounds), (-1, *self.first_bounds)]
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        """Solved with one of both parameters fixed."""
+        if index % guess.size == guess.size - 1:
+            return self.at_parameter(guess, value, scale)
+        z = guess.copy()
+        profile = self.profile(z)
+        z[: profile.u.size].reshape(profile.u.shape)[:, index] = value
+        row, before = np.zeros(z.size), np.inf
+        row[index] = 1.0
+        for _ in range(NEWTON):
+            here = self.linearisation(z, row, scale)
+            if here is None or here.sign == 0.0:
+                return None
+            step = here.solve(np.append(-here.residual, 0.0))
+            size = norm(step)
+            if not np.isfinite(size):
+                return None
+            z = z + scale * step
+            if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
+                return z
+            before = size
+        return None
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        """Turns of the curve in the plane of the parameters are no special points."""
+        return ()
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        return ()
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        still = replace(self, angle_periods=np.zeros(origin.z.size - 1))
+        limit = min(limit, CHUNK)
+        return python_march.march(
+            still, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self
+        )

@@ -1,0 +1,259 @@
+"""Lin's method: an orbit in pieces from section to section, with gaps along a fixed direction.
+
+Piece 1 leaves the saddle x0 in its unstable eigenspace, pieces 2 .. N lead from the section back to it, the last one
+ends in the stable eigenspace of x0. With c a point of the section, d its normal and Z the Lin direction,
+
+    u_k' = T_k f(u_k),   u_k(1) - u_(k+1)(0) = gap_k Z,   <d, u_(k+1)(0) - c> = 0,   k = 1 .. N,
+
+has for all times T_k and parameters near a homoclinic orbit one solution with small gaps (Lin 1990; Oldeman, Champneys
+and Krauskopf, Int. J. Bifurcation and Chaos 13 (2003) 2977). Where all gaps vanish the pieces are one orbit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.homoclinic.subspaces import left_subspace
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.mesh.adaption import choose_mesh
+from contin.problems.orbits.mesh.layout import Profile
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+    from contin.lowering.system import CompiledSystem
+
+NEWTON: Final = 12
+ACCURATE: Final = 1e-10
+NUDGE: Final = 1e-6  # relative, for derivatives of the ends by a parameter
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """c, d and Z in states, (n,) each."""
+
+    point: Array
+    normal: Array
+    direction: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """The pieces with their times, the gaps (N,), and the parameter `first` at its value in p."""
+
+    system: CompiledSystem
+    p: Array
+    first: int
+    saddle: Array
+    section: Section
+    sizes: Array
+    stable: int  # dimensions of the eigenspaces of the saddle
+    unstable: int
+    pieces: tuple[Profile, ...]
+    gaps: Array
+
+    # -- solving -------------------------------------------------------------------------------------------------------
+
+    def solved(self, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Pieces | None:
+        """With some gaps, times of pieces and the parameter unknown, as many together as there are gaps.
+
+        unknown : the gaps.  times : the pieces whose time is.  None where Newton's method fails.
+        """
+        from scipy.sparse.linalg import splu
+
+        now: Pieces | None = self
+        before = np.inf
+        for _ in range(NEWTON):
+            if now is None:
+                return None
+            found = now._system(unknown, times, by_parameter)
+            if found is None:
+                return None
+            residual, matrix, scale = found
+            try:
+                step = splu(matrix).solve(-residual)
+            except RuntimeError:  # singular: no step
+                return None
+            size = float(np.max(np.abs(step)))
+            if not size < 10.0:
+                return None
+            now = now._moved(step * scale, unknown, times, by_parameter)
+            if size < ACCURATE or (size >= 0.5 * before and size < 1e-7):
+                return now
+            before = size
+        return None
+
+    def _moved(self, step: Array, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Pieces | None:
+        place, pieces = 0, []
+        for piece in self.pieces:
+            pieces.append(replace(piece, u=piece.u + step[place : place + piece.u.size].reshape(piece.u.shape)))
+            place += piece.u.size
+        gaps, p = self.gaps.copy(), self.p.copy()
+        gaps[list(unknown)] += step[place : place + len(unknown)]
+        place += len(unknown)
+        for k in times:
+            pieces[k] = replace(pieces[k], period=pieces[k].period + float(step[place]))
+            place += 1
+            if pieces[k].period <= 0.0:
+                return None
+        if by_parameter:
+            p[self.first] += step[place]
+        moved = replace(self, pieces=tuple(pieces), gaps=gaps, p=p)
+        return moved.at_rest()
+
+    def at_rest(self) -> Pieces | None:
+        """With the saddle of its parameters."""
+        u = self.saddle.copy()
+        for _ in range(NEWTON):
+            f, whole = self.system.jacobian(u, self.p)
+            step = np.linalg.solve(np.asarray(whole)[:, : self.system.n], -np.asarray(f))
+            u = u + step
+            if float(np.max(np.abs(step) / self.sizes)) < 1e-13:
+                break
+        return replace(self, saddle=u) if np.all(np.isfinite(u)) else None
+
+    def ends(self) -> Array | None:
+        """Projections that vanish at both ends, (n,)."""
+        n, own = self.system.n, self.at_rest()
+        if own is None:
+            return None
+        first, last = own._projections()
+        offsets = [(self.pieces[0].u[0] - own.saddle) / self.sizes, (self.pieces[-1].u[-1] - own.saddle) / self.sizes]
+        return np.concatenate([first.T @ offsets[0], last.T @ offsets[1]])[:n]
+
+    def _projections(self) -> tuple[Array, Array]:
+        matrix = np.asarray(self.system.jacobian(self.saddle, self.p)[1])[:, : self.system.n]
+        scaled = matrix * self.sizes / self.sizes[:, None]
+        return tuple(_gauged(left_subspace(scaled, k, s)) for k, s in ((self.stable, True), (self.unstable, False)))  # type: ignore[return-value]
+
+    def _system(
+        self, unknown: Sequence[int], times: Sequence[int], by_parameter: bool
+    ) -> tuple[Array, csc_matrix, Array] | None:
+        from scipy import sparse
+
+        n, s = self.system.n, self.sizes
+        own = self.at_rest()
+        if own is None:
+            return None
+        starts = np.concatenate([[0], np.cumsum([piece.u.size for piece in self.pieces])])
+        total, gaps = int(starts[-1]), len(self.gaps)
+        width = total + gaps
+        columns = {k: total + len(unknown) + j for j, k in enumerate(times)}
+        rows, values = [], []
+        for k, piece in enumerate(self.pieces):
+            defect, blocks, by_time, by_p = self._collocation(piece)
+            count, m = piece.intervals, piece.m
+            i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
+            where = ((i * m * n + r).ravel(), (starts[k] + i * m * n + c).ravel())
+            block = sparse.coo_matrix((blocks.ravel(), where), shape=(count * m * n, width)).tolil()
+            if k in columns:
+                block[:, columns[k]] = by_time.reshape(-1, 1)
+            if by_parameter:
+                block[:, width - 1] = by_p.reshape(-1, 1)
+            rows.append(block.tocsr())
+            values.append(defect)
+        closing = self._closing(own, starts, width, unknown, by_parameter)
+        if closing is None:
+            return None
+        rest, dense = closing
+        matrix = sparse.vstack([*rows, sparse.csr_matrix(dense)], format="csc")
+        scale = np.concatenate([np.tile(s, total // n), np.ones(gaps)])
+        return np.concatenate([*values, *rest]), matrix, scale
+
+    def _closing(
+        self, own: Pieces, starts: NDArray[np.intp], width: int, unknown: Sequence[int], by_parameter: bool
+    ) -> tuple[list[Array], Array] | None:
+        """Projections at both ends, gaps and sections, with their dense rows."""
+        n, s, section, gaps, total = self.system.n, self.sizes, self.section, len(self.gaps), int(starts[-1])
+        dense = np.zeros((n + gaps * (n + 1), width))
+        ends = self.ends()
+        if ends is None:
+            return None
+        first, last = own._projections()
+        dense[: self.stable, :n] = first.T
+        dense[self.stable : n, total - n : total] = last.T
+        if by_parameter:
+            h = NUDGE * max(abs(float(self.p[self.first])), 1e-3)
+            p = self.p.copy()
+            p[self.first] += h
+            after = replace(self, p=p).ends()
+            if after is None:
+                return None
+            dense[:n, width - 1] = (after - ends) / h
+        rest = [ends]
+        for k in range(gaps):
+            row = n + k * (n + 1)
+            end, start = int(starts[k + 1]) - n, int(starts[k + 1])
+            jump = (self.pieces[k].u[-1] - self.pieces[k + 1].u[0] - self.gaps[k] * section.direction) / s
+            dense[row : row + n, end : end + n] = np.eye(n)
+            dense[row : row + n, start : start + n] = -np.eye(n)
+            if k in unknown:
+                dense[row : row + n, total + list(unknown).index(k)] = -section.direction / s
+            dense[row + n, start : start + n] = section.normal * s
+            rest += [jump, np.array([section.normal @ (self.pieces[k + 1].u[0] - section.point)])]
+        return rest, dense
+
+    def _collocation(self, piece: Profile) -> tuple[Array, Array, Array, Array]:
+        """Defects, their blocks by nodes, and by the time and the parameter, in states relative to their sizes."""
+        n, m, scheme, s = self.system.n, piece.m, basis(piece.m), self.sizes
+        nodes = np.arange(piece.intervals)[:, None] * m + np.arange(m + 1)
+        states = np.einsum("cj,ijk->ick", scheme.values, piece.u[nodes]).reshape(-1, n)
+        f, whole = self.system.jacobians(np.ascontiguousarray(states), np.tile(self.p, (len(states), 1)))
+        f, whole = np.asarray(f).reshape(-1, m, n), np.asarray(whole).reshape(piece.intervals, m, n, -1)
+        long = piece.h * piece.period
+        defect = np.einsum("cj,ijk->ick", scheme.slopes, piece.u[nodes]) - long[:, None, None] * f
+        blocks = -np.einsum("i,cj,ickq->ickjq", long, scheme.values, whole[..., :n])
+        blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
+        blocks *= (s / s[:, None])[None, None, :, None, :]
+        by_time, by_p = -piece.h[:, None, None] * f / s, -long[:, None, None] * whole[..., n + self.first] / s
+        return (defect / s).ravel(), blocks, by_time.ravel(), by_p.ravel()
+
+    # -- changes -------------------------------------------------------------------------------------------------------
+
+    def shorter(self, k: int, time: float) -> Pieces:
+        """The piece k without some time where it is nearest to the saddle, on a mesh that fits it."""
+        piece = self.pieces[k]
+        t = piece.times * piece.period
+        near = float(t[int(np.argmin(np.linalg.norm((piece.u - self.saddle) / self.sizes, axis=1)))])
+        near = float(np.clip(near, 0.5 * time, piece.period - 0.5 * time))
+
+        def kept(s: Array) -> Array:
+            at = s * (piece.period - time)
+            return piece.at(np.where(at < near - 0.5 * time, at, at + time) / piece.period)
+
+        even = np.full(piece.intervals, 1.0 / piece.intervals)
+        fresh = Profile(piece.m, np.empty_like(piece.u), piece.period - time, even, piece.parameter)
+        fresh = replace(fresh, u=kept(fresh.times))
+        h = choose_mesh(piece, self.sizes, MESH, piece.intervals).h
+        fresh = replace(fresh, h=h)
+        fresh = replace(fresh, u=kept(fresh.times))
+        return replace(self, pieces=(*self.pieces[:k], fresh, *self.pieces[k + 1 :]))
+
+    def whole(self) -> tuple[Array, Array]:
+        """Times and states of the pieces in a row."""
+        times, states, began = [], [], 0.0
+        for k, piece in enumerate(self.pieces):
+            t = piece.times * piece.period + began
+            times.append(t[1:] if k else t)
+            states.append(piece.u[1:] if k else piece.u)
+            began = float(t[-1])
+        return np.concatenate(times), np.concatenate(states)
+
+
+MESH: Final = 1e-7
+
+
+def _gauged(basis_: Array) -> Array:
+    """The same space with a basis that varies smoothly with it: the rows where it is largest are the identity."""
+    from scipy.linalg import qr
+
+    if basis_.shape[1] == 0:
+        return basis_
+    pivots = qr(basis_.T, pivoting=True)[2][: basis_.shape[1]]
+    return np.asarray(np.linalg.solve(basis_[pivots].T, basis_.T).T)

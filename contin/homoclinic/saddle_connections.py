@@ -1,0 +1,300 @@
+"""Curves of homoclinic and heteroclinic orbits in two parameters, as a continuation problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.errors import InputError, NoSolutionError
+from contin.homoclinic import events
+from contin.homoclinic.equations import ConnectionCurve, Gauge
+from contin.homoclinic.interval import farther, fits, fitted
+from contin.homoclinic.surfaces import surface_met, why_not
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.linearised.bordered import Bordered
+from contin.problems.orbits.linearised.tangent_solver import Factorised, factorised
+from contin.problems.orbits.marched_in_python import MarchedInPython
+from contin.problems.orbits.measured.columns import of_one_size, orbit_columns
+from contin.problems.orbits.mesh.adaption import choose_mesh, estimate
+from contin.problems.orbits.mesh.layout import Profile, make_scale, sizes_of
+from contin.problems.orbits.zero_of_test import zero_of_test
+from contin.problems.two_parameters import UNBOUNDED
+from contin.records import Fields
+from contin.special.table import tests_of_connections
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
+SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
+ALIKE = 1e-6  # relative distance of parameters below which two points are one
+
+
+@dataclass(frozen=True, eq=False)
+class ConnectionProblem(MarchedInPython):
+    """See `contin.homoclinic.equations` for the unknowns and equations."""
+
+    curve: ConnectionCurve
+    _last: Fields = field(default_factory=dict)
+
+    maximum_chunk = 5  # a step takes some 20 ms
+
+    @property
+    def isolated(self) -> bool:
+        """True where connections persist at fixed parameters: one parameter varies along a branch of them."""
+        return len(self.curve.slots) == 1
+
+    @property
+    def kind(self) -> str:  # type: ignore[override]
+        return "connection" if self.isolated else "locus"
+
+    @property
+    def locus(self) -> str | None:  # type: ignore[override]
+        return None if self.isolated else str(self.curve.type)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        names = self.system.parameter_names
+        both = names[self.curve.first], names[self.curve.second]
+        return both[:1] if self.isolated else both
+
+    def profile(self, z: Array) -> Profile:
+        """The whole orbit of a point."""
+        return self.curve.orbit_of(z)
+
+    def orbit_at(self, z: Array) -> Profile:
+        return self.profile(z)
+
+    def at_held(self, z: Array, scale: Array) -> Array | None:
+        """Solved with the second parameter as it is; where that is no unknown, the first one."""
+        slot = -1 if self.isolated else -2
+        return self.at_unknown(slot, z, float(z[slot]), scale)
+
+    # -- metric -------------------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        first, second = self.widths(z, bounds)
+        profile = self.curve.profile(z)
+        return self.scale_for(profile.h, self.curve.orbits.state_sizes(profile), first, second)
+
+    def scale_for(self, h: Array, sizes: Array, first: float, second: float) -> Array:
+        own = make_scale(h, self.curve.orbits.points, sizes, 1.0, first)
+        nodes = own.size - len(h) - 2
+        ends = np.tile(np.sqrt(self.curve.n) * sizes, self.curve.saddles)
+        return np.concatenate([own[:nodes], ends, own[nodes:-1], [second, first]])
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        return sizes_of(scale, self.curve.profile(z).h, self.curve.n, self.curve.orbits.points)
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def settle(self, z: Array, scale: Array) -> None:
+        self.curve.settle(z, self.sizes(z, scale))
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
+        met = surface_met(self.curve, z)
+        if met is not None:
+            self._last["surface"] = met
+            return None
+        self._last.pop("surface", None)
+        sizes = self.sizes(z, scale)
+        if self.curve.gauge.reference is None:
+            self.curve.settle(z, sizes)
+        try:
+            equations, jacobian = self.curve.linearise(z, scale, sizes)
+        except (np.linalg.LinAlgError, ValueError):  # no step: the curve ends, in words
+            return None
+        self._last["now"] = (z, jacobian, sizes)
+        return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests from index 2 on, dimension of the saddle's unstable manifold, eigenvalues of the saddle."""
+        _, jacobian, sizes = self._last["now"]
+        try:
+            tests, values = events.tests_at(self.curve, z, sizes, self._adjoint(jacobian, z))
+        except (np.linalg.LinAlgError, ValueError) as error:
+            self._last.setdefault("untested", []).append(str(error))
+            return np.full(len(tests_of_connections()), np.nan), 0, np.full(self.curve.n, np.nan, complex)
+        return tests, self._unstable(values), values
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """Where the tests of this curve could not be computed."""
+        failures = self._last.get("untested", [])
+        if not failures:
+            return ()
+        return (
+            f"the tests of this curve of connecting orbits could not be computed at {len(failures)} of its points "
+            f"({failures[0]}): special points there are not told",
+        )
+
+    def _unstable(self, values: NDArray[np.complex128]) -> int:
+        """Without the zero eigenvalue of a saddle-node, whose rounding has a sign."""
+        return self.curve.unstable_count if self.curve.node else int(np.sum(values.real > 0.0))
+
+    def _adjoint(self, jacobian: csc_matrix, z: Array) -> Array | None:
+        """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
+        if self.curve.node or self.isolated or self.curve.reversor is not None:
+            return None
+        n, m, nu = self.curve.n, self.curve.orbits.points, self.curve.nodes(z)
+        inside = nu - n
+        rows = np.append(np.arange(inside), inside + self.curve.saddles * n + np.arange(n))
+        try:
+            _, _, left = Bordered.of(jacobian.tocsr()[rows][:, :nu].tocsc(), 1).solve()
+        except np.linalg.LinAlgError:  # the tests that need it are NaN, which `remarks` tells
+            return None
+        values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]
+        return np.asarray(values.reshape(-1, n))
+
+    def adjoint_at(self, z: Array, s: float, sizes: Array) -> Array:
+        """The bounded solution of the adjoint variational equation at the scaled time s, (n,), in states' sizes."""
+        profile = self.curve.profile(z)
+        scale = self.scale_for(profile.h, sizes, *self.widths(z, UNBOUNDED))
+        row = np.zeros(z.size)
+        row[-1] = 1.0
+        own = replace(self, curve=replace(self.curve, gauge=Gauge()), _last={})  # whose reference is z
+        here = own.linearisation(z, row, scale)
+        found = None if here is None else own._adjoint(own._last["now"][1], z)
+        if found is None:
+            raise NoSolutionError("the adjoint solution of the homoclinic orbit is not determined")
+        return np.array([np.interp(s, profile.gauss_times, column) for column in found.T])
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return events.explain(self, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return events.watch(type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        return events.verify(self, type_, near, frame)
+
+    def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
+        """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
+        curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)), doubting=True)
+        sizes = self.sizes(found.z, frame.scale)
+        z = fitted(curve, found.z, sizes, farther(curve))
+        h = np.repeat(0.5 * curve.profile(z).h, 2)
+        scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
+        finer = replace(self, curve=curve, _last={})
+        start = finer._on_interval(z, found, scale, h, Settings())
+        again = None if start is None else zero_of_test(finer, start.origin, Frame(scale), index)
+        return None if again is None else float(np.max(np.abs(again.sample.z[-2:] - found.z[-2:])))
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        return [self.verify(t, a, frame) for t in events.changes(self, a, b)]
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        """A mesh that fits; the end where the saddle is none any more."""
+        scale = frame.scale
+        if origin.tests.size > 3 and origin.tests[3] < 0.0:
+            where = self.place(origin.z)
+            text = f"an eigenvalue of the saddle vanished before {where}: its projections mean nothing beyond"
+            return Renewal(scale, origin, before, None, End("saddle-node", text))
+        profile, sizes = self.curve.profile(origin.z), self.sizes(origin.z, scale)
+        orbits = self.curve.orbits
+        if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL:
+            text = f"the connecting orbits shrink to a point near {self.place(origin.z)}"
+            return Renewal(scale, origin, before, None, End("bt", text))
+        grown = np.maximum(sizes, np.abs(profile.u).max(axis=0))
+        error, _ = estimate(profile, grown)
+        short = not fits(self.curve, origin.z, sizes)
+        if not short and error <= OUTGROWN * orbits.tolerance and np.all(grown <= 2.0 * sizes):
+            return Renewal(scale, origin, before, None)
+        z = fitted(self.curve, origin.z, sizes) if short else origin.z
+        chosen = choose_mesh(self.curve.profile(z), grown, orbits.tolerance, orbits.intervals)
+        renewed = self.scale_for(chosen.h, grown, float(scale[-1]), float(scale[-2]))
+        if short:
+            return self._on_interval(z, origin, renewed, chosen.h, settings) or Renewal(scale, origin, before, None)
+        here = self._moved(origin, scale, renewed, chosen.h)
+        self.curve.settle(here.z, grown)
+        corrected = self.probe(here, 0.0, here.z, Frame(renewed), settings)
+        if corrected is not None:
+            sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
+            here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
+        return Renewal(renewed, here, None if before is None else self._moved(before, scale, renewed, chosen.h), None)
+
+    def _on_interval(self, z: Array, origin: Sample, scale: Array, h: Array, settings: Settings) -> Renewal | None:
+        """The point on another interval of time: solved anew, with the tangent in the same sense."""
+        curve = self.curve
+        z = curve.join(curve.profile(z).on_mesh(h), curve.equilibria(z), float(z[-2]))
+        try:
+            tangent = np.asarray(self.tangents(z, scale)[0])
+        except InputError:  # the interval stays as it is
+            return None
+        around = [-2, -1]
+        if float(tangent[around] @ origin.tangent[around]) < 0.0:
+            tangent = -tangent
+        base = replace(origin, z=z, tangent=tangent)
+        corrected = self.probe(base, 0.0, z, Frame(scale), settings)
+        if corrected is None:
+            return None
+        sign = np.sign(float(corrected.tangent @ tangent)) or 1.0
+        here = replace(corrected, tangent=sign * corrected.tangent, tests=origin.tests, unstable=origin.unstable)
+        return Renewal(scale, here, None, None)
+
+    def _moved(self, sample: Sample, scale: Array, renewed: Array, h: Array) -> Sample:
+        """A sample on another mesh and in another metric."""
+        curve = self.curve
+        old = curve.profile(sample.z)
+        raw = sample.tangent * scale
+        moving = replace(old, u=raw[: old.u.size].reshape(old.u.shape)).on_mesh(h)
+        z = curve.join(old.on_mesh(h), curve.equilibria(sample.z), float(sample.z[-2]))
+        saddles = raw[old.u.size : old.u.size + curve.saddles * curve.n]
+        t = np.concatenate([moving.u.ravel(), saddles, [0.0], np.zeros(len(h)), raw[-2:]]) / renewed
+        return replace(sample, z=z, tangent=t / np.linalg.norm(t))
+
+    def end_at(self, point: Verified) -> End | None:
+        """NCH and SH, beyond which the equations describe no homoclinic orbits to this equilibrium."""
+        where = self.place(point.z)
+        if point.type == "NCH" and self.curve.node:
+            text = f"the homoclinic orbits to a saddle-node end at a non-central one at {where}: to a saddle beyond"
+            return End("saddle-node", text)
+        if point.type == "NCH":
+            return End("saddle-node", f"the saddle becomes a saddle-node at {where}: homoclinic orbits to it follow")
+        if point.type == "SH":
+            return End("hopf", f"the saddle has a Hopf bifurcation at {where}: orbits to a cycle follow")
+        return None
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Both parameters, smallest and largest values of the states over the orbit, the saddle(s), and what it is."""
+        names = self.system.state_names
+        columns = self.parameter_columns(z)
+        reversor = self.curve.reversor
+        ranges = orbit_columns(z, names, self.curve.profile, lambda u, _: u)
+        if reversor is not None:  # the other half
+            image = orbit_columns(z, names, self.curve.profile, lambda u, _: reversor.image(u))
+            for name in names:
+                ranges[f"{name}.min"] = np.minimum(ranges[f"{name}.min"], image[f"{name}.min"])
+                ranges[f"{name}.max"] = np.maximum(ranges[f"{name}.max"], image[f"{name}.max"])
+        ends = np.empty((len(z), self.curve.saddles, self.curve.n))
+        for chosen, rows in of_one_size(z):
+            ends[chosen] = [self.curve.equilibria(row) for row in rows]
+        for k, name in enumerate(names):
+            columns |= {key: ranges[key] for key in (f"{name}.min", f"{name}.max")}
+            columns[f"{name}.saddle"] = ends[:, 0, k]
+            if self.curve.saddles == 2:
+                columns[f"{name}.saddle2"] = ends[:, 1, k]
+        if self.curve.node:
+            columns["saddle_node"] = np.ones(len(z), bool)
+        return columns
+
+    def describe_failure(self, z: Array) -> str:
+        if "surface" in self._last:
+            return why_not(self._last["surface"])
+        return (
+            "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
+            "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
+        )

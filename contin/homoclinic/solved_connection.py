@@ -1,0 +1,52 @@
+"""A connecting orbit solved for, on an interval and a mesh that fit it: where its curve starts."""
+
+from __future__ import annotations
+
+from contin.abi import Array
+from contin.continuation.branch import Parent
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.homoclinic.equations import ConnectionCurve
+from contin.homoclinic.interval import fits, fitted
+from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.problems.orbits.mesh.adaption import choose_mesh
+from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.two_parameters import UNBOUNDED
+
+ROUNDS = 4  # of solving, until interval and mesh fit
+
+
+def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
+    """The connection solved for at fixed q (else p), on an interval and a mesh that fit it; `parent` : its origin."""
+    source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
+    problem = ConnectionProblem(curve)
+    orbits = curve.orbits
+    if not curve.is_complete():
+        raise InputError(
+            f"{source}: {curve.stable_count} stable directions of the first and {curve.unstable_count} unstable ones "
+            f"of the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"
+        )
+    z = curve.join(piece, ends, q)
+    sizes = orbits.state_sizes(piece)
+    first, second = problem.widths(z, UNBOUNDED)
+    own_mesh = False  # chosen for a solution on this interval: a guess has a kink where a tail begins
+    for rounds_left in range(ROUNDS - 1, -1, -1):
+        profile = curve.profile(z)
+        scale = problem.scale_for(profile.h, sizes, first, second)
+        curve.settle(z, sizes)
+        solved = problem.at_held(z, scale)
+        if solved is None and curve.node:  # folds that the first parameter does not move
+            solved = problem.at_unknown(-1, z, piece.parameter, scale)
+        if solved is None:
+            raise InputError(f"{source}: Newton's method for the connecting orbit, whole, did not converge")
+        z, fitting = solved, fits(curve, solved, sizes)
+        if rounds_left == 0 or (fitting and own_mesh):
+            break
+        own_mesh = fitting
+        if not fitting:
+            z = fitted(curve, z, sizes)
+        if fitting or curve.node:  # (the long tail at a saddle-node needs a mesh at once)
+            profile = curve.profile(z)
+            chosen = choose_mesh(profile, sizes, orbits.tolerance, orbits.intervals)
+            z = curve.join(profile.on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
+    return Seed(problem, z, parent=parent)

@@ -1,0 +1,91 @@
+"""Curves whose unknowns follow a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified, unverified
+from contin.continuation.settings import Settings
+from contin.linalg.vectors import norm
+from contin.loci.augmented import events
+from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.problems.orbits.mesh.layout import make_scale
+from contin.problems.orbits.mesh.move import Move
+from contin.problems.orbits.renewal import refitted
+
+ALIKE: Final = 1e-7  # relative distance of parameters below which two points are one
+ORDER: Final = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveCurve(AugmentedCurve):
+    """`base` has a mesh in its unknowns (`contin.loci.augmented.boundary`)."""
+
+    base: Any
+
+    adaptive = True
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        base, inner = self.base, self.base.inner(frame.scale)
+        problem, profile = base.at(origin.z), base.profile(origin.z)
+        sizes, period = problem.sizes(base.inner(origin.z), inner), float(inner[profile.u.size])
+        fit = refitted(problem, profile, sizes, period)
+        if fit is None:
+            return Renewal(frame.scale, origin, before, loop)
+        own = make_scale(fit.h, profile.m, fit.sizes, fit.period, float(inner[-1]))
+        scale = base.joined(own, base.rest(frame.scale))
+
+        def moved(sample: Sample | None) -> Sample | None:
+            return None if sample is None else self._moved(sample, frame.scale, scale, fit.h)
+
+        return Renewal(scale, self._moved(origin, frame.scale, scale, fit.h), moved(before), moved(loop))
+
+    def _moved(self, sample: Sample, old: Array, scale: Array, h: Array) -> Sample:
+        base = self.base
+        move = Move(base.problem, base.inner(old), base.inner(scale), h)
+        bare = replace(sample, z=base.inner(sample.z), tangent=base.inner(sample.tangent))
+        share = norm(bare.tangent)
+        there = move(replace(bare, tangent=bare.tangent / share if share > 0.0 else bare.tangent))
+        t = base.joined(share * there.tangent, base.rest(sample.tangent))
+        return replace(sample, z=base.joined(there.z, base.rest(sample.z)), tangent=t / norm(t))
+
+    def finer(self, near: Sample, frame: Frame) -> tuple[Sample, Frame]:
+        """A sample and its metric where every interval is halved."""
+        base, inner = self.base, self.base.inner(frame.scale)
+        profile = base.profile(near.z)
+        h = np.repeat(0.5 * profile.h, 2)
+        sizes = base.problem.sizes(base.inner(near.z), inner)
+        scale = base.joined(
+            make_scale(h, profile.m, sizes, float(inner[profile.u.size]), float(inner[-1])), base.rest(frame.scale)
+        )
+        return self._moved(near, frame.scale, scale, h), Frame(scale)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        """As solved on the mesh of the curve, with the error by which it moves on a finer one."""
+        found = super().verify(type_, near, frame)
+        if not isinstance(found, Verified):
+            return found
+        sample, finer = self.finer(replace(near, z=found.z), frame)
+        again = events.verify(self, type_, sample, finer)
+        if not isinstance(again, Verified):
+            return unverified(type_, "it is not there on a mesh of twice as many intervals")
+        return replace(found, error=found.error + ORDER * abs(float(again.z[-1] - found.z[-1])))
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        changed = [
+            t for t in self.base.types(self.type)
+            if (k := self.watch(t)) is not None and a.tests[k] * b.tests[k] < 0.0
+        ]  # fmt: skip
+        return [self.verify(type_, a, frame) for type_ in changed]
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        count = len(self.names)
+        slack = ALIKE * scale[-count:] + 3.0 * (a.error + b.error)
+        return bool(np.all(np.abs(a.z[-count:] - b.z[-count:]) <= slack))

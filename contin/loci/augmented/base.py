@@ -1,0 +1,108 @@
+"""What a curve of special solutions asks of the equations that it rests on."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Outcome, Sample, Verified
+from contin.loci.augmented.elimination import Bordered, Scalars
+
+
+class Base(ABC):
+    """Equations E(z) = 0, z = (unknowns, parameters, the last one first), fewer than unknowns.
+
+    Where the points are special by themselves (folds, ...), E holds the scalars that say so, too.
+    """
+
+    has_stability = True
+
+    @property
+    @abstractmethod
+    def system(self) -> Any:
+        """The compiled model."""
+
+    @property
+    @abstractmethod
+    def angle_periods(self) -> Array: ...
+
+    @property
+    @abstractmethod
+    def identifying(self) -> NDArray[np.bool_]: ...
+
+    @property
+    @abstractmethod
+    def growing(self) -> NDArray[np.bool_]: ...
+
+    @abstractmethod
+    def constants(self) -> dict[str, float]: ...
+
+    @abstractmethod
+    def default_range(self, parameter: str) -> tuple[float, float] | None: ...
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Of the varying parameters, which stand behind the unknowns of the solution, the last unknown first."""
+
+    @property
+    def varying(self) -> int:
+        return len(self.names)
+
+    @property
+    @abstractmethod
+    def conditions(self) -> int:
+        """How many of the parameters it takes to meet E: none for solutions themselves, one for folds, ..."""
+
+    @abstractmethod
+    def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
+        """The metric; ranges of the parameters, the last unknown first."""
+
+    def settle(self, z: Array) -> None:  # noqa: B027 - most have no borders
+        """Renew borders, upon which nothing depends but the signs of tests."""
+
+    @abstractmethod
+    def linearise(self, z: Array, scale: Array, rows: Array) -> Bordered | None:
+        """E and E' with these rows below it; None where they are not finite."""
+
+    @abstractmethod
+    def columns(self, z: Array) -> dict[str, Array]: ...
+
+    @abstractmethod
+    def column_names(self) -> tuple[str, ...]: ...
+
+    def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests from index 2 on, the number of unstable eigenvalues without the critical ones, and all of them."""
+        return np.zeros(0), 0, np.zeros(0, complex)
+
+    def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return ()
+
+    def watch(self, curve: str, type_: str) -> int | None:
+        return None
+
+    def types(self, curve: str) -> Sequence[str]:
+        """The types of points that are looked for on a curve."""
+        return ()
+
+    def degeneracy(self, curve: str, type_: str, near: Sample) -> Scalars | str:
+        """The function that vanishes at a point of this type on a curve, around a sample; or why there is none."""
+        return f"{type_} is not looked for on curves of {curve}"
+
+    def described(self, type_: str, point: Verified, scale: Array) -> Outcome:
+        """A point with eigenvalues and normal form."""
+        return point
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        return values
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        return None
+
+    def describe_failure(self, z: Array) -> str:
+        return ""

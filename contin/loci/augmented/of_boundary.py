@@ -1,0 +1,63 @@
+"""Curves of folds and branch points of boundary-value problems, and of cusps and generic branch points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp.boundary_problem import BoundaryProblem
+from contin.continuation.branch import Parent
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.loci.augmented.adaptive import AdaptiveCurve
+from contin.loci.augmented.boundary import BoundaryBase
+from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.meshed import MeshedUnfolding
+from contin.loci.augmented.of_points import places
+
+
+@dataclass(frozen=True)
+class Cusp:
+    """<w, F_xx(v, v)> = 0 on folds."""
+
+    base: BoundaryBase
+    text: str = "LP with the condition of CP"
+
+    def near(self, problem: object, z: Array, scale: Array) -> Scalars:
+        return self.base.cusp(z)
+
+
+def boundary_base(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str]) -> BoundaryBase:
+    """The equations through a solution z, with these parameters varying."""
+    base = problem.base.copy()
+    base[problem.active] = z[-1]
+    taken = [name for name in parameters if name in problem.two.free]
+    if taken:
+        raise InputError(f"{taken[0]} is solved for (`free`), and cannot vary too")
+    found = tuple(places(problem.two.parameters, parameters))
+    return BoundaryBase(replace(problem, base=base, active=found[0], spaces={}), found, type_)
+
+
+def start(base: BoundaryBase, z: Array) -> Array:
+    """z of a curve from that of a solution."""
+    values = base.problem.base[list(base.places)][::-1]
+    return np.concatenate([z[:-1], np.zeros(base.extra), values])
+
+
+def curve_of(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent | None) -> Seed:
+    """The curve of folds or branch points through one in two parameters; of generic branch points in three."""
+    base = boundary_base(problem, z, type_, parameters)
+    held = (MeshedUnfolding(base),) if len(parameters) == 3 else ()
+    curve = AdaptiveCurve(base, held, type_, tuple(parameters), problem.two.free)
+    return Seed(curve, start(base, z), parent=parent)
+
+
+def cusps(curve: AdaptiveCurve, z: Array, parameters: Sequence[str], parent: Parent | None) -> Seed:
+    """The curve of cusps through one on a curve of folds, in three parameters."""
+    problem = curve.base.at(z)
+    base = boundary_base(problem, curve.base.inner(z), "LP", parameters)
+    held = AdaptiveCurve(base, (Cusp(base),), "CP", tuple(parameters), problem.two.free)
+    return Seed(held, start(base, curve.base.inner(z)), parent=parent)

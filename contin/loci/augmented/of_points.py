@@ -1,0 +1,92 @@
+"""Curves of equilibria and fixed points: of codimension two in three parameters, of one under conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent
+from contin.continuation.departure import Seed
+from contin.continuation.homotopy import without_offset
+from contin.errors import InputError
+from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.loci.augmented.points import PointBase
+from contin.loci.augmented.scalars import Conditions, Degeneracy, Unfolding
+from contin.loci.equilibria.bordered import BorderedCurve
+from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.model.model import Model
+from contin.model.relations import Relation
+
+RESTS_ON = {"CP": "LP", "BT": "LP", "GH": "HB", "ZH": "HB", "HH": "HB", "BP": "BP"}  # curves in three parameters
+
+
+def places(names: Sequence[str], parameters: Sequence[str]) -> list[int]:
+    """Of parameters among those of the model."""
+    for name in parameters:
+        if name not in names:
+            raise InputError(f"no parameter {name!r}; the model has {', '.join(names)}")
+    if len(set(parameters)) < len(parameters):
+        raise InputError(f"a curve of special points needs different parameters; got {', '.join(parameters)}")
+    return [list(names).index(name) for name in parameters]
+
+
+def bordered(locus: LocusProblem, type_: str, p: Array, parameters: Sequence[str]) -> LocusProblem:
+    """A curve of points of a type by minimally augmented equations, with all these parameters varying."""
+    first, second, *more = places(locus.system.parameter_names, parameters)
+    curve = BorderedCurve(type_, locus.system, p.copy(), first, second, locus.curve.sizes.copy(), tuple(more))
+    return replace(locus, curve=curve, memory={})
+
+
+def of_codimension_two(
+    locus: LocusProblem, type_: str, u: Array, p: Array, scalar: float, parameters: Sequence[str], parent: Parent
+) -> Seed:
+    """The curve of such points in three parameters through (u, p); scalar: kappa of a Hopf point."""
+    base = PointBase(bordered(locus, RESTS_ON[type_], p, parameters), codimension=2)
+    held = Unfolding(base.locus) if type_ == "BP" else Degeneracy(type_, base.locus)
+    problem = AugmentedCurve(base, (held,), type_, tuple(parameters))
+    return Seed(problem, base.locus.curve.place(u, p, scalar), parent=parent)
+
+
+def under_conditions(seed: Seed, relations: tuple[Relation, ...], free: Sequence[str]) -> Seed:
+    """The seed's curve in two parameters with conditions, for which the parameters `free` are solved."""
+    locus = seed.problem
+    assert isinstance(locus, LocusProblem)
+    model = locus.system.model
+    if not isinstance(model, Model):
+        raise InputError("conditions need a model made of formulas")
+    own = locus.curve
+    u, p, z = seed.z[: own.n], own.full_parameters(seed.z), seed.z
+    base = PointBase(bordered(locus, locus.locus, p, (*locus.parameters, *free)))
+    held = Conditions(model, relations, base.locus)
+    problem = AugmentedCurve(
+        base, (held,), locus.locus, locus.parameters, tuple(free), (locus.first_bounds, locus.second_bounds)
+    )
+    start = base.locus.curve.place(u, p, own.scalar(z) if own.has_scalar else 0.0)
+    return replace(seed, problem=problem, z=onto(problem, start), direction=None, scale=None)
+
+
+def onto(problem: AugmentedCurve, z: Array) -> Array:
+    """From a point to one that meets the scalars held, with the first parameter fixed, else the second, ...
+
+    By homotopy: what they are off by is taken away in steps as long as Newton's method can follow.
+    """
+    scale = problem.initial_scale(z, (-np.inf, np.inf))
+    near = problem.near(z, scale)
+    if near is not None:
+        for fixed in range(len(problem.names)):
+            index = -1 - fixed
+
+            def solved(offset: Array, guess: Array, index: int = index) -> Array | None:
+                shifted = replace(problem, offset=tuple(offset.tolist()))
+                return shifted.at_unknown(index, guess, float(guess[index]), scale)
+
+            found = without_offset(z, near.values(z), solved)
+            if found is not None:
+                return found
+    raise InputError(
+        f"no {problem.type} near the start meets the conditions ({', '.join(h.text for h in problem.held)}) for any "
+        f"nearby {', '.join(problem.free)}; start nearer to them"
+    )

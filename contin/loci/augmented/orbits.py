@@ -1,0 +1,236 @@
+"""Periodic orbits by collocation, their folds, branch points and period doublings as a base of curves, on a mesh in z.
+
+z = (u at the nodes, T, mesh, [unfolding of branch points], parameters, the last one first).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Outcome, Sample, Verified
+from contin.linalg.csc import with_columns, with_rows
+from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.meshed import MeshedBase, trimmed
+from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
+from contin.loci.augmented.sparse import SparseBordered
+from contin.problems.conditioned.under_conditions import product_of
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.linearised.multipliers import nontrivial, without
+from contin.problems.orbits.measured.columns import names_of, orbit_columns, with_observables
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+    from contin.model.model import Model
+
+FIRST: Final = 2  # place of the first test among those of a sample
+CRITICAL: Final = {"LPC": [1.0 + 0.0j], "BPC": [1.0 + 0.0j], "PD": [-1.0 + 0.0j]}
+TYPES: Final = {"LPC": ("R1", "LPPD", "LPNS"), "PD": ("LPPD", "R2", "PDNS"), "BPC": ()}  # by tests: at 1, at -1, a pair
+MOVED: Final = (1, 1, 2)
+REAL: Final = 1e-9
+
+
+@dataclass(eq=False)
+class _Kept:
+    """Borders and the orbit that the phase refers to, on the mesh they were made on."""
+
+    mesh: Array = field(default_factory=lambda: np.zeros(0))
+    borders: Borders | None = None
+    reference: Array = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitBase(MeshedBase[OrbitProblem]):
+    """`type` is LPC, BPC or PD."""
+
+    _kept: _Kept = field(default_factory=_Kept)
+
+    @property
+    def model(self) -> Model:
+        found: Model = self.system.model
+        return found
+
+    def based(self, base: Array) -> OrbitProblem:
+        return replace(self.problem, base=base)
+
+    def where(self, z: Array) -> NDArray[np.intp]:
+        """Places in z of (u, T, [unfolding], parameters)."""
+        return np.concatenate([np.arange(self.profile(z).u.size + 1), np.arange(z.size - self.behind, z.size)])
+
+    # -- the base's contract -------------------------------------------------------------------------------------------
+
+    @property
+    def system(self) -> Any:
+        return self.problem.system
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(self.system.parameter_names[place] for place in self.places)
+
+    def settle(self, z: Array) -> None:
+        self._kept.mesh, self._kept.reference = np.zeros(0), self.inner(z)
+
+    def _linear(self, z: Array, scale: Array, place: int) -> OrbitLinear:
+        """The orbit's equations with the parameter at `place` among the unknowns as the last one."""
+        index = -1 - self.places.index(place)
+        problem, inner, metric = replace(self.at(z), active=place), self.inner(z), self.inner(scale)
+        inner[-1], metric[-1] = z[index], scale[index]
+        kept = self._kept.reference
+        same = kept.size == inner.size and np.array_equal(problem.profile(kept).h, self.profile(z).h)
+        return OrbitLinear(problem, inner, metric, kept if same else inner)
+
+    def equations(self, z: Array, scale: Array) -> tuple[Array, csc_matrix] | None:
+        """Scaled F and [F_x, F_p]."""
+        from scipy import sparse
+
+        columns, own = [], None
+        for place in self.places[::-1]:
+            own = self._linear(z, scale, place)
+            if not np.all(np.isfinite(own.residual)):
+                return None
+            columns.append(own.jacobian.tocsc()[:, -1:])
+        assert own is not None
+        return own.residual, sparse.hstack([own.jacobian.tocsc()[:, :-1], *columns], format="csc")
+
+    def _critical(self, matrix: csc_matrix, z: Array) -> csc_matrix:
+        """M: of period doublings that of perturbations which close with the other sign."""
+        if self.type != "PD":
+            return critical(matrix, matrix.shape[0], self.extra == 1)
+        n, nodes = self.problem.n, self.profile(z).u.size
+        own = matrix[:nodes, :nodes].tolil()
+        own[nodes - n : nodes, :n] = -own[nodes - n : nodes, :n]
+        return own.tocsc()
+
+    def linearise(self, z: Array, scale: Array, rows: Array) -> SparseBordered | None:
+        where = self.where(z)
+        on_mesh = _OnMesh(self, z, scale)
+        y = on_mesh.unknowns(z)
+        here = on_mesh.at(y)
+        if here is None:
+            return None
+        f, matrix = here
+        still = z.size - len(where)
+        if not self.type:
+            whole = with_rows(matrix, rows[:, where])
+            return SparseBordered(np.append(f, np.zeros(still)), whole, where, z.size)
+        own = self._critical(matrix, z)
+        borders = self._borders(z, own)
+        found = singular(on_mesh, y, matrix, borders, own=own)
+        if found is None:
+            return None
+        gradient, columns, count = found.gradient, matrix, matrix.shape[0]
+        if self.extra:
+            f = f + float(z[-self.behind]) * borders.left
+            columns = with_columns(matrix, borders.left[:, None], count)
+            gradient = np.insert(gradient, count, 0.0, axis=1)
+        whole = with_rows(with_rows(columns, gradient), rows[:, where])
+        return SparseBordered(np.concatenate([f, found.values, np.zeros(still)]), whole, where, z.size)
+
+    def _borders(self, z: Array, own: csc_matrix) -> Borders:
+        """Those of the last mesh, while it is the same; with them the orbit that the phase refers to."""
+        kept, mesh = self._kept, self.profile(z).h
+        if kept.borders is None or not np.array_equal(kept.mesh, mesh):
+            kept.borders, kept.mesh = null_vectors(own, 1 + self.extra), mesh.copy()
+            kept.reference = self.inner(z)
+        return kept.borders
+
+    # -- stability -----------------------------------------------------------------------------------------------------
+
+    def _others(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        return np.asarray(without(nontrivial(self.problem, values), CRITICAL.get(self.type, [])))
+
+    def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        values = np.asarray(self.at(z).multipliers(self.inner(z)))
+        others = self._others(z, values)
+        unstable = int(np.sum(np.abs(others) > 1.0))
+        if not self.types(type_):
+            return np.zeros(0), unstable, values
+        pairs = np.array([a * b - 1.0 for i, a in enumerate(others) for b in others[i + 1 :]])
+        return np.array([product_of(others - 1.0), product_of(others + 1.0), product_of(pairs)]), unstable, values
+
+    def types(self, curve: str) -> Sequence[str]:
+        return TYPES.get(self.type, ())
+
+    def watch(self, curve: str, type_: str) -> int | None:
+        known = self.types(curve)
+        return FIRST + known.index(type_) if type_ in known else None
+
+    def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        changed = a.tests[FIRST:] * b.tests[FIRST:] < 0.0
+        crossed = [(t, m) for t, m, c in zip(self.types(type_), MOVED, changed, strict=False) if c]
+        moved = abs(a.unstable - b.unstable)
+        if not crossed:
+            return () if moved == 0 else None
+        return (crossed[0][0],) if len(crossed) == 1 and moved in (0, crossed[0][1]) else None
+
+    def degeneracy(self, curve: str, type_: str, near: Sample) -> Scalars | str:
+        others = self._others(near.z, near.eigenvalues)
+        real = np.abs(others.imag) <= REAL
+        target = {"LPPD": -1.0 if self.type == "LPC" else 1.0}.get(type_)
+        chosen = others[~real] if target is None else others[real]
+        if type_ in ("R1", "R2") or not chosen.size:
+            return "two multipliers meet there, which is not solved for under conditions"
+        off = np.abs(np.abs(chosen) - 1.0) if target is None else np.abs(chosen - target)
+        reference = complex(chosen[int(np.argmin(off))])
+
+        def part(z: Array) -> Array:
+            now = self._others(z, np.asarray(self.at(z).multipliers(self.inner(z))))
+            value = complex(now[int(np.argmin(np.abs(now - reference)))])
+            return np.array([abs(value) - 1.0 if target is None else value.real - target])
+
+        return part
+
+    def described(self, type_: str, point: Verified, scale: Array) -> Outcome:
+        others = self._others(point.z, point.eigenvalues)
+        away = np.abs(np.abs(others) - 1.0) > 1e-6
+        return replace(point, unstable=int(np.sum(np.abs(others[away]) > 1.0)))
+
+    # -- columns -------------------------------------------------------------------------------------------------------
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        def functions(u: Array, rows: Array) -> Array:
+            p = np.array([self.at(row).full_parameters(self.inner(row)) for row in rows])
+            return with_observables(self.system, u, p)
+
+        values = [self.values(row) for row in z]
+        found = {name: np.array([v[k] for v in values]) for k, name in enumerate(self.names)}
+        found["period"] = np.array([self.profile(row).period for row in z])
+        if self.extra:
+            found["unfolding"] = np.array([trimmed(row)[-self.behind] for row in z])
+        return found | orbit_columns(z, names_of(self.system), self.profile, functions)
+
+    def column_names(self) -> tuple[str, ...]:
+        parts = (f"{name}.{end}" for name in names_of(self.system) for end in ("min", "max"))
+        return (*self.names, "period", *parts)
+
+    def describe_failure(self, z: Array) -> str:
+        return str(self.at(z).describe_failure(self.inner(z)))
+
+
+@dataclass(frozen=True, eq=False)
+class _OnMesh:
+    """F and [F_x, F_p] at y = (u, T, parameters) / scale, on the mesh of `like`."""
+
+    base: OrbitBase
+    like: Array
+    scale: Array
+
+    def unknowns(self, z: Array) -> Array:
+        base = self.base
+        where = base.where(z)
+        y = z[where] / self.scale[where]
+        return np.delete(y, [len(where) - base.behind] if base.extra else [])
+
+    def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
+        base, z = self.base, self.like.copy()
+        where = base.where(z)
+        where = np.delete(where, [len(where) - base.behind] if base.extra else [])
+        z[where] = y * self.scale[where]
+        return base.equations(z, self.scale)

@@ -1,0 +1,29 @@
+"""The cubic coefficient of period doublings, along their curve."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.loci.codim2.forms import jet_at
+from contin.loci.codim2.uncomputed_tests import untold
+from contin.normalforms.maps import period_doubling
+
+if TYPE_CHECKING:
+    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.normalforms.jet import Jet
+
+
+def flip_coefficient(problem: LocusProblem, z: Array) -> float:
+    """The cubic coefficient of a period doubling, whose zero is a GPD."""
+    try:
+        return of_jet(jet_at(problem, z))
+    except (ZeroDivisionError, np.linalg.LinAlgError) as error:
+        return untold(problem, "GPD", error)
+
+
+def of_jet(jet: Jet) -> float:
+    """The same; raises where it has no finite value."""
+    return float(period_doubling(jet).coefficients["c"])

@@ -1,0 +1,102 @@
+"""Normal forms of points of codimension two, from exact derivatives of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Verified
+from contin.machine import elementary
+from contin.normalforms.branching import branch_point
+from contin.normalforms.invariant_plane import zero_hopf_on_plane
+from contin.normalforms.point import normal_form
+from contin.normalforms.result import NO_FORM, TRUST, NormalForm
+from contin.normalforms.rounding import apart, rounding_errors
+from contin.normalforms.sources import compiled_jet
+from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
+from contin.records import Fields
+
+if TYPE_CHECKING:
+    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.normalforms.jet import DerivativeJet, Jet
+
+BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
+
+
+
+def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> DerivativeJet:
+    """Derivatives of the model at z, in the states and the parameters `active`."""
+    curve = problem.curve
+    kind = "map" if curve.system.kind == "map" else "flow"
+    jet = compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
+    return with_units(jet, unit_mass(curve.system))
+
+
+def described(
+    problem: LocusProblem, point: Verified, critical: Any, scale: Array, plane: bool = False,
+    drift: Array | None = None,
+) -> Verified:  # fmt: skip
+    """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
+
+    `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.  `drift` : estimated errors of all unknowns,
+    by which the coefficients are less well known than they are at the point itself.
+    """
+    frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
+    frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
+    if point.type == "CH" and frequencies:
+        frequency = float(elementary.angle(next(v for v in critical if v.imag > 0.0)))
+    active = (problem.curve.first,) if point.type == "DP" else ()
+    vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {})
+    try:
+        if point.type == "DP":
+            form = branching_form(problem, point.z)
+        elif plane:
+            form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
+        else:
+            lengths = None if drift is None else np.abs(drift[: problem.n]) / unit_mass(problem.system)
+            jet = jet_at(problem, point.z, active)
+            form = normal_form(point.type, jet, frequency=frequency, state_error=lengths)
+    except NO_FORM as reason:
+        return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
+    known = dict(form.errors)
+    if point.type != "DP" and not plane:
+
+        def form_at(jet: Jet) -> NormalForm:
+            return normal_form(point.type, jet, frequency=frequency)
+
+        changes = [rounding_errors(form, form_at, jet)]
+        if drift is not None:
+            changes.append(_changes(lambda z: form_at(jet_at(problem, z)), form, point.z, drift, scale))
+        for key, change in chain.from_iterable(found.items() for found in changes):
+            known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
+    errors = {"errors": known} if known else {}
+    own = dict(in_own_units(form.vectors, unit_mass(problem.system)))
+    return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | own)
+
+
+def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, scale: Array) -> dict[str, float]:
+    """By how much each real coefficient changes over the drift: of what order its error from that of the point is."""
+    length = float(np.linalg.norm(drift / scale))
+    if not 0.0 < length < np.inf:
+        return {}
+    step = BESIDE / length
+    try:
+        beside = form_at(z + step * drift).coefficients
+    except NO_FORM:  # as for a point that is placed exactly; its own error stands
+        return {}
+    found = {}
+    for key, value in form.coefficients.items():
+        if isinstance(value, float) and isinstance(beside.get(key), float):
+            found[key] = apart(value, float(beside[key])) / step
+    return found
+
+
+def branching_form(problem: LocusProblem, z: Array) -> Any:
+    """Lyapunov-Schmidt coefficients on a curve of branch points, in the parameter that unfolds the branches better."""
+    forms = [branch_point(jet_at(problem, z, (active,))) for active in (problem.curve.first, problem.curve.second)]
+    return max(forms, key=lambda form: abs(form.coefficients["b11"]))

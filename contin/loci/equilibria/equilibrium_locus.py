@@ -1,0 +1,299 @@
+"""Curves of folds, Hopf points and branch points of equilibria (of maps: fixed points) in two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import STOPS, Chunk, Frame, Outcome, Sample
+from contin.continuation.settings import Settings
+from contin.errors import NotFiniteError
+from contin.kernels import locus as kernel
+from contin.linalg import newton
+from contin.loci.codim2 import degenerate, events, uncomputed_tests
+from contin.loci.equilibria import timeless
+from contin.loci.equilibria.curves import curve_of
+from contin.loci.equilibria.march import march, probe
+from contin.machine import elementary
+from contin.problems.algebraic_states import finite_eigenvalues
+from contin.problems.two_parameters import TwoParameterProblem
+from contin.records import Fields
+from contin.simulate.reach import has_reach, left_reach
+
+CHUNK = 250  # rows after which the border is looked at again
+REACH = 12.5  # ... or, where steps are short, this arclength (so many of the longest steps by default)
+LONGEST = 1000  # rows in one kernel call, of systems with
+FEW = 10  # states at most: some 50 ms
+IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
+_NONE = np.empty(0)
+_KINDS = {"LP": 0, "HB": 1, "BP": 2}
+
+
+@dataclass(frozen=True, eq=False)
+class LocusProblem(TwoParameterProblem):
+    """A curve of points of one type in two parameters; `curve` holds its equations and knows the layout of z.
+
+    `second_bounds` is the range of the second parameter, the last unknown but one; that of the first is the engine's.
+    """
+
+    curve: Any  # ExtendedCurve, or BorderedCurve for large systems
+    state_periods: Array
+    memory: Fields = field(default_factory=dict)  # what the first point decided: the kind of branch points
+
+    maximum_chunk = LONGEST
+
+    @cached_property
+    def n(self) -> int:
+        return int(self.curve.n)
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        periods = np.zeros(self.curve.size - 1)
+        periods[: self.n] = self.state_periods
+        return periods
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.asarray(self.curve.identifying)
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        return np.asarray(self.curve.growing)
+
+    def of_type(self, type_: str, p: Array) -> LocusProblem:
+        """The curve of another type in the same two parameters, the others being those of p."""
+        own = self.curve
+        curve = curve_of(type_, self.system, p, own.first, own.second, own.sizes)
+        return replace(self, curve=curve, memory={})
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    @property
+    def has_stability(self) -> bool:
+        return not timeless.is_timeless(self.system)
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        return np.asarray(self.curve.scales(z, self.widths(z, bounds)))
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        _, jacobian = self.curve.linearise(z)
+        if not np.all(np.isfinite(jacobian)):
+            raise NotFiniteError(f"no curve passes here: {self.describe_failure(z)}")
+        return [np.linalg.svd(jacobian * scale / scale[:-1, None])[2][-1]]
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        found = self._marched(origin, before, length, frame, step, limit, settings, loop)
+        return found if self.has_stability else timeless.chunk_without(found)
+
+    def _marched(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        limit = min(limit, self._most_rows(settings))
+        renewed = self.curve.settle(origin.z)
+        if not self.curve.compiled:
+            return march(self, origin, before, length, frame, step, limit, settings, loop)
+
+        curve, n, rows, size = self.curve, self.n, limit + 1, self.curve.size
+        z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
+        unstable = np.zeros(rows, np.int64)
+        re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
+        first = self._realigned(origin, frame.scale) if renewed else origin.tangent
+        z[0], t[0] = origin.z, first
+        controls = np.array([
+            step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
+            settings.newton_tolerance, length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
+            self._trust,
+        ])  # fmt: skip
+        reason = kernel.march(
+            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), curve.parameters(origin.z),
+            curve.active, frame.scale, np.array(self.walls, dtype=float), controls, limit,
+            first if before is None or renewed else before.tangent,
+            np.zeros(kernel.TESTS) if before is None else before.tests,
+            _NONE if loop is None else loop.z, _NONE if loop is None else loop.tangent,
+            self.identifying.astype(float), self.angle_periods, self.growing.astype(float), z, t, tests, unstable,
+            re, im, lengths, info,
+        )  # fmt: skip
+        m = int(info[0]) + 1
+        chunk = Chunk(
+            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], STOPS[reason], float(info[1]),
+            0.0, int(info[4]), int(info[2]),
+        )  # fmt: skip
+        return events.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
+
+    def _most_rows(self, settings: Settings) -> int:
+        """In one call of the kernel."""
+        quick = self.curve.compiled and self.n <= FEW
+        return max(CHUNK, int(min(float(LONGEST), REACH / settings.max_step))) if quick else CHUNK
+
+    def _realigned(self, origin: Sample, scale: Array) -> Array:
+        """The tangent with a new border, in the sense in which states and parameters went on before."""
+        tangent = np.asarray(self.tangents(origin.z, scale)[0])
+        seen = self.identifying
+        return tangent if float(tangent[seen] @ origin.tangent[seen]) > 0.0 else -tangent
+
+    @cached_property
+    def _functions(self) -> tuple[int, int, int, int]:
+        """Address of the extended system, the kernel's kind, addresses of the second and third derivatives."""
+        system = self.curve.system
+        third = system.form(3) if self.locus == "HB" else system.form(2)
+        return self.curve.extended.jacobian_address, _KINDS[self.locus], system.form(2), third
+
+    @property
+    def _trust(self) -> float:
+        return 0.0 if self.system.n_switches else 0.01
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        found = self._probed(base, length, guess, frame, settings)
+        return found if self.has_stability else timeless.sample_without(found)
+
+    def _probed(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        if not self.curve.compiled:
+            return probe(self, base, length, guess, frame, settings)
+
+        curve, n = self.curve, self.n
+        z, t, tests = np.empty(curve.size), np.empty(curve.size), np.empty(kernel.TESTS)
+        re, im = np.empty(n), np.empty(n)
+        count = kernel.probe(
+            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, length,
+            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z,
+            t, tests, re, im,
+        )  # fmt: skip
+        if count >= 0 and self.locus == "BP":
+            tests[events.DEGENERACY] = degenerate.test(self, z)
+        return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
+
+    def points_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> Sequence[Sample | None] | None:  # fmt: skip
+        curve, n, (a, b), count = self.curve, self.n, ends, len(fractions)
+        if not curve.compiled or self.locus == "BP":
+            return None
+        z, t, tests = np.empty((count, curve.size)), np.empty((count, curve.size)), np.empty((count, kernel.TESTS))
+        re, im, counts = np.empty((count, n)), np.empty((count, n)), np.empty(count, np.int64)
+        kernel.points_between(
+            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, a.z,
+            a.tangent, b.z, b.tangent, np.array(fractions), np.array(lengths), curve.parameters(base.z), curve.active,
+            frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t, tests, re, im, counts,
+        )  # fmt: skip
+        rows = zip(z, t, tests, counts.tolist(), re + 1j * im, strict=True)
+        found = [None if row[3] < 0 else Sample(*row) for row in rows]
+        return found if self.has_stability else [s and timeless.sample_without(s) for s in found]
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        parameters = self.curve.parameters(guess)
+        return newton.with_one_fixed(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        def apart() -> bool:
+            scale = self.initial_scale(a.z, self.first_bounds)
+            return float(np.linalg.norm(((a.z - b.z) / scale)[self.identifying])) > events.JUMPING
+
+        return events.explain(self.locus, a, b, self.system.kind == "map", apart)
+
+    def watch(self, type_: str) -> int | None:
+        return events.watch(self.locus, type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        found = events.verify(self, type_, near, frame)
+        return found if self.has_stability else timeless.point_without(found)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        found = events.verify_compound(self, a, b, frame)
+        return found if self.has_stability else timeless.points_without(found)
+
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Without the eigenvalues of algebraic equations."""
+        return finite_eigenvalues(self.system, values)
+
+    @property
+    def has_reach(self) -> bool:
+        return has_reach(self.system)
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first row at which the model does not hold, and why."""
+        p = np.tile(self.base, (len(z), 1))
+        p[:, list(self.curve.places)] = z[:, -len(self.curve.places) :]
+        return left_reach(self.system, z[:, : self.n], p)
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        n = self.n
+        columns = self.parameter_columns(z)
+        for k, name in enumerate(self.system.state_names):
+            columns[name] = z[:, k].copy()
+        if self.system.observable_names:
+            p = np.tile(self.base, (len(z), 1))
+            p[:, self.curve.first], p[:, self.curve.second] = z[:, -1], z[:, -2]
+            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
+            for k, name in enumerate(self.system.observable_names):
+                columns[name] = recorded[:, k].copy()
+        if self.locus == "HB":
+            columns["kappa"] = z[:, -3].copy()
+            columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
+        if self.locus == "NS":
+            columns["cos.theta"] = z[:, -3].copy()
+            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
+        if self.locus == "BP" and self._is_unfolded(z):
+            columns["unfolding"] = z[:, -3].copy()
+        return columns
+
+    def _is_unfolded(self, z: Array) -> bool:
+        d = self.curve.sizes
+        rate = float(np.linalg.norm(self.curve.matrix(z[0]) * d / d[:, None]))
+        return bool(np.any(np.abs(z[:, -3]) > events.FORCED * rate))
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """What holds all along the curve, and which tests failed on it."""
+        return [*self._properties(z), *uncomputed_tests.remarks(self)]
+
+    def _properties(self, z: Array) -> Sequence[str]:
+        if self.locus == "BP" and self._is_unfolded(z):
+            return [
+                "nothing forces these branch points (no symmetry, invariant subspace or solution that is always "
+                "there): with two parameters they are isolated, and the curve is that of the unfolded equations "
+                "f + unfolding w = 0, w the left null vector (column `unfolding`)"
+            ]
+        if self._carries_pair(z):
+            return [
+                "two more eigenvalues are imaginary all along these folds: the equations are degenerate (a first-order "
+                "average, or a symmetry), and every point where they are would be a ZH; none is labelled"
+            ]
+        return []
+
+    def _carries_pair(self, z: Array) -> bool:
+        """True on a curve of folds along which a pair is on the imaginary axis too, wherever it is complex."""
+        if self.locus != "LP" or self.n < 3 or self.system.kind == "map":
+            return False
+        seen = False
+        for row in z[:: max(1, len(z) // 12)]:
+            values = np.linalg.eigvals(self.curve.matrix(row))
+            others = np.delete(values, int(np.argmin(np.abs(values))))
+            size = float(np.abs(others).max())
+            pairs = others[others.imag > IMAGINARY * size]
+            if len(pairs):
+                seen = True
+                if float(np.abs(pairs.real).min()) > elementary.square(IMAGINARY) * size:
+                    return False
+        return seen
+
+    def describe_failure(self, z: Array) -> str:
+        text = self.system.explain(z[: self.n], self.curve.full_parameters(z))
+        if text:
+            return str(text)
+        return (
+            "The defining system may be singular here (two such curves cross, or the point is more degenerate than its "
+            "type). Try a smaller settings.step or min_step."
+        )

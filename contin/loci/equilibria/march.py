@@ -1,0 +1,54 @@
+"""The march along a locus in plain Python: maps, large systems and user functions (`contin.continuation.march`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.problem import Chunk, Frame, Sample
+from contin.continuation.settings import Settings
+from contin.loci.codim2.monitors import tests_at
+from contin.problems.dense_march import DenseLinearisation, dense_linearisation
+
+if TYPE_CHECKING:
+    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+
+
+@dataclass(frozen=True, eq=False)
+class LocusMarch:
+    """A `LocusProblem` as the Python march takes it."""
+
+    problem: LocusProblem
+
+    @property
+    def angle_periods(self) -> Array:
+        return np.asarray(self.problem.angle_periods)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
+        f, jacobian = self.problem.curve.linearise(z)
+        return dense_linearisation(f, jacobian, tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        return tests_at(self.problem, z)
+
+
+def march(
+    problem: LocusProblem, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    settings: Settings, loop: Sample | None,
+) -> Chunk:  # fmt: skip
+    """`Problem.march`; the borders were renewed at origin."""
+    bounds = problem.walls[-1][1:]
+    march = LocusMarch(problem)
+    return python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop, planar=problem)
+
+
+def probe(
+    problem: LocusProblem, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
+) -> Sample | None:
+    """`Problem.probe`."""
+    return python_march.probe(LocusMarch(problem), base, length, guess, frame, settings)

@@ -1,0 +1,93 @@
+"""Orbits of one period in two parameters: u' = T f(u, p, q), u(1) = u(0) + winding, a phase condition, T fixed.
+
+With a long period this is a quick look at a curve of homoclinic orbits, from which it differs by terms of the order of
+exp(-T rate), without projections or a saddle. z = (u at the nodes, T, h_1 .. h_N, q, p); T and the mesh are carried
+along, not solved for. Cost: a sparse factorisation a Newton step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.loci.orbits.renewal import renew
+from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.hopf_end import cut_at_birth
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.linearised.tangent_solver import Factorised, factorised
+from contin.problems.orbits.marched_in_python import MarchedInPython
+from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits, OfOnePeriod
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodCurve(CurveOfPeriodicOrbits):
+    """The equations of the orbits, less the one for the period."""
+
+    orbits: OrbitProblem
+    second: int
+    memory: dict[str, Array] = field(default_factory=dict)  # the orbit that the phase condition refers to
+
+    type = "UZ"
+
+    def unknowns(self, z: Array) -> NDArray[np.intp]:
+        """Places of (u, q, p) in z."""
+        return np.append(np.arange(self.profile(z).u.size), [z.size - 2, z.size - 1])
+
+    def settle(self, z: Array, scale: Array) -> None:
+        """The orbit that the phase condition refers to."""
+        self.memory["phase"] = z.copy()
+
+    def linearise(self, z: Array, scale: Array) -> tuple[Array, Any]:
+        """Scaled equations (k,) and their sparse Jacobian (k, k + 1) by `unknowns`."""
+        from scipy import sparse
+
+        known = self.memory.get("phase", z)
+        reference = known if known.size == z.size else z
+        orbits, orbit = self.at(z), self.orbit(z)
+        own = OrbitLinear(orbits, orbit, self.orbit(scale), self.orbit(reference))
+        across = orbits.with_active(self.system.parameter_names[self.second], orbit)
+        other = OrbitLinear(across, z[:-1], scale[:-1], reference[:-1])
+        by_first, by_second = own.jacobian.tocsc(), other.jacobian.tocsc()
+        columns = [by_first[:, : own.nu], by_second[:, -1:], by_first[:, -1:]]
+        return own.residual, sparse.hstack(columns, format="csc")
+
+
+@dataclass(frozen=True, eq=False)
+class SamePeriodProblem(OfOnePeriod, MarchedInPython):
+    """See `PeriodCurve` for the unknowns and equations."""
+
+    curve: PeriodCurve
+
+    maximum_chunk = 10  # a step takes some 10 ms
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        first, second = self.widths(z, bounds)
+        return self.curve.join(self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first)), second)
+
+    def settle(self, z: Array, scale: Array) -> None:
+        self.curve.settle(z, scale)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
+        equations, jacobian = self.curve.linearise(z, scale)
+        return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_at_birth(self, chunk, frame, settings)
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        end = self.at_birth(origin.z, frame.scale)
+        if end is not None:
+            return Renewal(frame.scale, origin, before, None, end)
+        return renew(self, origin, before, frame, settings)

@@ -1,0 +1,121 @@
+"""Curves of LPC, PD and NS of periodic orbits in two parameters, as a continuation problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contin import lazy
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.departure import Seed
+from contin.continuation.march import until_dip
+from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.errors import InputError
+from contin.loci.orbits import criticality
+from contin.loci.orbits.renewal import on_finer_mesh, renew
+from contin.loci.orbits.special_orbits import OfSpecialOrbits
+from contin.machine import elementary
+from contin.problems.orbits.special_orbits.curve import OrbitCurve
+from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
+
+PROBE_TOLERANCE = 1e-10
+REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
+FIRST_TEST = 2  # of other multipliers, after those of folds and branch points
+LEAST = 10  # ... but not before so many steps
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitLocusProblem(OfSpecialOrbits):
+    """See `contin.problems.orbits.special_orbits.curve` for the unknowns and equations."""
+
+    curve: OrbitCurve
+
+    @property
+    def maximum_chunk(self) -> int:
+        """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
+        return max(10, min(160, 1500 // elementary.square(self.curve.orbits.n)))
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        first, second = self.widths(z, bounds)
+        own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
+        return self.curve.join(own, second, 1.0)
+
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """Of orbits born at an equilibrium: by shooting where that is asked for, or the flow is piecewise smooth."""
+        configured: Seed = lazy.module("discretisation").loci_as_chosen(seed, settings)
+        return configured
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        """The curve's own tangent."""
+        self.curve.settle(z, scale)
+        guide = np.zeros(z.size)
+        guide[-1] = 1.0
+        found = self.curve.correct(z, guide, 0.0, z, scale, np.inf)
+        if isinstance(found, Failure):
+            raise InputError(f"the curve of {self.locus} cannot be followed from here: its equations are singular")
+        return [found.tangent]
+
+    def measured(self, sample: Sample, frame: Frame) -> Sample:
+        """The same point with its tests and tangent anew; the frame is carried on from there."""
+        self.curve.settle(sample.z, frame.scale)
+        found = self.curve.correct(sample.z, sample.tangent, 0.0, sample.z, frame.scale, np.inf, carry=True)
+        if isinstance(found, Failure):
+            if not sample.tests.size:
+                raise InputError(f"the curve of {self.locus} cannot be followed from here: {found.value}")
+            return sample
+        return replace(found, z=sample.z, tangent=sample.tangent if sample.tests.size else found.tangent)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        limit = min(limit, self.maximum_chunk, max(LEAST, int(REACH / settings.max_step)))
+        start = self.measured(origin, frame)
+        chunk = self.curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
+        chunk = criticality.cut_at_change(self.curve, chunk, frame.scale)
+        return until_dip(chunk, before, length, FIRST_TEST)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        tolerance = min(settings.tolerance, PROBE_TOLERANCE)
+        found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
+        if isinstance(found, Failure):
+            return None
+        wanted = criticality.is_measured(self.curve, base)
+        return criticality.measured(self.curve, found, frame.scale) if wanted else found
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        fixed = np.zeros(guess.size)
+        fixed[index] = 1.0
+        z0 = guess.copy()
+        z0[index] = value
+        found = self.curve.correct(z0, fixed, 0.0, z0, scale, 1e-12, exact=False)
+        if isinstance(found, Failure):
+            return None
+        z = found.z.copy()
+        z[index] = value
+        return z
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        end = self.at_birth(origin.z, frame.scale)
+        if end is not None:
+            return Renewal(frame.scale, origin, before, loop, end)
+        if self.locus == "LPC" and before is not None and self.passes_half(before.z, origin.z, frame.scale):
+            text = "came together with orbits of half the period, at their degenerate period doubling near "
+            return Renewal(frame.scale, origin, before, loop, End("joined", text + self.place(origin.z)))
+        return self.connected(origin, before, frame) or renew(self, origin, before, frame, settings)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        return on_finer_mesh(self, sample, frame)
+
+    def error_of_equations(self, z: Array, scale: Array) -> float:
+        curve = self.curve
+        return error_of_equations(curve.at(z), self.locus, curve.orbit(z), curve.orbit(scale), curve.theta(z))

@@ -1,0 +1,97 @@
+"""Curves of LPC, PD, NS and BPC of orbits found by shooting, as a continuation problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.kernels.tests_of_stability import map_tests
+from contin.loci.orbits import criticality
+from contin.loci.orbits.special_orbits import OfSpecialOrbits
+from contin.loci.shooting.codimension_two import verify
+from contin.loci.shooting.curve import ShootingCurve
+from contin.loci.shooting.grazing import GrazingCurve
+from contin.loci.shooting.sensitivity import error_of_equations
+from contin.loci.shooting.shot_curves import OfShotOrbits
+from contin.problems.orbits.linearised.multipliers import nontrivial
+from contin.special.table import tests_of_orbits
+
+
+@dataclass(frozen=True, eq=False)
+class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
+    """`curve` is a `ShootingCurve`, or one of touching orbits."""
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests as `contin.loci.orbits.events` names them; the multipliers that are not critical decide."""
+        values, four = self.multipliers(z), np.ones(4)
+        touching = self.curve.touched is not None  # no multiplier is critical, on either side of the touched surface
+        others = nontrivial(self.curve.orbits, values) if touching else self.others(values, z)
+        unstable = int(map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), four))
+        if touching:
+            return np.full(len(tests_of_orbits(self.locus)), np.nan), unstable, values
+        tests = [four[2] if others.size > 1 else 1.0, four[3], ones(others)]
+        if self.locus == "LPC":
+            tests.append(self.curve.bend())
+        elif self.locus == "PD":
+            tests.append(np.nan)
+        elif self.locus == "NS":
+            k = self.curve.further(z)
+            tests += [k - 1.0, k + 1.0, k + 0.5, k, np.nan]
+        return np.array(tests), unstable, values
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        return criticality.cut_at_change(self.curve, chunk, frame.scale)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        found = super().probe(base, length, guess, frame, settings)
+        if found is None or not criticality.is_measured(self.curve, base):
+            return found
+        return criticality.measured(self.curve, found, frame.scale)
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        return self.connected(origin, before, frame) or super().renew(origin, before, loop, frame, settings)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        return verify(self, type_, near, frame)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        return None
+
+    def error_of_equations(self, z: Array, scale: Array) -> float:
+        return error_of_equations(self.curve, z, scale) if isinstance(self.curve, ShootingCurve) else 0.0
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """... and of touching orbits, where a family turns back at them."""
+        columns = super().columns(z) | self.angle_columns(z)
+        if isinstance(self.curve, GrazingCurve) and len(z):
+            scale = self.initial_scale(z[0], self.first_bounds)
+            columns["turns"] = np.array([self.curve.turns(row, scale) for row in z])
+        return columns
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        touched = self.curve.touched
+        if touched is None:
+            return super().remarks(z, eigenvalues)
+        surface = self.system.pieces.name(touched)
+        return (f"the orbits touch {surface}: nonsmooth folds where `turns` is true; other events are not looked for",)
+
+
+def ones(values: NDArray[np.complex128]) -> float:
+    """Sign of the product of all (1 - multiplier), size of the smallest factor relative to 1 + |multiplier|."""
+    if not values.size:
+        return 1.0
+    below = np.count_nonzero((values.imag == 0.0) & (values.real > 1.0))
+    return float((-1.0) ** below * np.min(np.abs(values - 1.0) / (1.0 + np.abs(values))))

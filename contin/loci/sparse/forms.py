@@ -1,0 +1,101 @@
+"""Normal forms of points of codimension two of large systems.
+
+CP and BT from bordered solves, at any size. The others need forms of higher order and many solves: they are computed
+with the dense methods where the system is small enough for that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.abi import Array, Vector
+from contin.continuation.problem import Verified
+from contin.loci.sparse.singular import Folds
+from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.linear import normalise
+from contin.normalforms.point import normal_form as dense_form
+from contin.normalforms.result import NO_FORM
+from contin.problems.sparse.forms import state
+from contin.records import Fields
+
+if TYPE_CHECKING:
+    from contin.loci.sparse.large_locus import LargeLocus
+
+DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
+
+
+def with_normal_form(problem: LargeLocus, point: Verified, known: Fields) -> Verified:
+    """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed."""
+    vectors: Fields = {}
+    try:
+        if point.type == "CP":
+            form = cusp(problem, point.z)
+        elif point.type == "BT":
+            form, vectors = takens(problem, point.z)
+        elif problem.n <= DENSE:
+            form = _dense(problem, point.type, point.z, known)
+        else:
+            remark = f"{point.type}: its normal form is not computed beyond {DENSE} unknowns"
+            return replace(point, vectors=known, remark=remark)
+    except NO_FORM as reason:
+        remark = f"{point.type}: its normal form could not be computed ({reason})"
+        return replace(point, vectors=known, remark=remark)
+    return replace(point, normal_form=form, vectors=known | vectors)
+
+
+def cusp(problem: LargeLocus, z: Array) -> Fields:
+    """c = <p, C(q,q,q) + 3 B(q,h)>/6 with A h = -B(q,q), <p, h> = 0, <p, q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
+    branch, point = problem.curve.branch(z)
+    at = problem.curve.singular(z)
+    assert isinstance(at, Folds)
+    q = normalise(np.real(at.at.v))
+    size = float(np.real(at.at.functional(q)))
+    direction = state(q)
+    quadratic = branch.form(point, direction, direction)
+    h = -np.real(at.at.residue(quadratic)[0])
+    h = h - float(np.real(at.at.functional(h))) / size * q
+    cubic = branch.form(point, direction, direction, direction) + 3.0 * branch.form(point, direction, state(h))
+    return {"c": float(np.real(at.at.functional(cubic))) / size / 6.0}
+
+
+def takens(problem: LargeLocus, z: Array) -> tuple[Fields, Fields]:
+    """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0."""
+    branch, point = problem.curve.branch(z)
+    at = problem.curve.singular(z)
+    assert isinstance(at, Folds)
+    line = at.at
+    q0 = normalise(np.real(line.v))
+    q1 = np.real(line.residue(q0)[0])
+    q1 = q1 - (q0 @ q1) * q0
+    size = float(np.real(line.functional(q1)))
+    b00 = branch.form(point, state(q0), state(q0))
+    b01 = branch.form(point, state(q0), state(q1))
+
+    def p1(r: Array) -> float:
+        return float(np.real(line.functional(r))) / size
+
+    def p0(r: Array) -> float:
+        """<p0, r> = <p1, x> with A x = r - <p1, r> q1, since A^T p0 = p1 and p0.q1 = 0."""
+        return p1(np.real(line.residue(r - p1(r) * q1)[0]))
+
+    form = {"a": 0.5 * p1(b00), "b": p0(b00) + p1(b01)}
+    return form, {"null": q0, "generalised": q1}
+
+
+def _dense(problem: LargeLocus, type_: str, z: Array, known: Fields) -> Fields:
+    branch, point = problem.curve.branch(z)
+    linear = branch.linear(point)
+    matrix = _entries(linear, problem.n)
+    jet = DerivativeJet(matrix, lambda directions: branch.form(point, *map(state, directions)), 0, "flow")
+    omegas = known["omegas"]
+    form = dense_form(type_, jet, frequency=max(omegas) if omegas and type_ != "HH" else None)
+    return dict(form.coefficients) | ({"errors": dict(form.errors)} if form.errors else {})
+
+
+def _entries(linear: Any, n: int) -> Vector:
+    if linear.matrix is not None:
+        return np.asarray(linear.matrix.toarray())
+    return np.column_stack([linear.apply(column) for column in np.eye(n)])

@@ -1,0 +1,166 @@
+"""Curves of folds and Hopf points of large systems as a continuation problem in two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Sample, unverified
+from contin.continuation.settings import Settings
+from contin.linalg.vectors import norm
+from contin.loci.codim2.events import explain as explain_events
+from contin.loci.codim2.events import watch
+from contin.loci.sparse import events
+from contin.loci.sparse.curve import CurveLinearisation, LargeCurve
+from contin.machine import elementary
+from contin.problems.two_parameters import TwoParameterProblem
+
+POLISH_BUDGET = 12
+
+
+@dataclass(frozen=True, eq=False)
+class LargeLocus(TwoParameterProblem):
+    """See `LargeCurve`; `second_bounds` is the range of the second parameter, that of the first is the engine's."""
+
+    curve: LargeCurve
+
+    @property
+    def n(self) -> int:
+        return self.curve.n
+
+    @property
+    def maximum_chunk(self) -> int:
+        return self.curve.origin.maximum_chunk
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        periods = np.zeros(self.curve.size - 1)
+        periods[: self.n] = self.curve.origin.angle_periods
+        return periods
+
+    @cached_property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.ones(self.curve.size, bool)
+
+    @cached_property
+    def growing(self) -> NDArray[np.bool_]:
+        mask = np.ones(self.curve.size, bool)
+        mask[-2:] = False
+        return mask
+
+    # evaluation -------------------------------------------------------------------------------------------------------
+
+    def residual(self, z: Array) -> Array:
+        """The curve's equations (N - 1,), unscaled."""
+        return self.curve.residual(z)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> CurveLinearisation | None:
+        return self.curve.linearisation(z, tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        return events.tests_at(self, z)
+
+    # the engine's contract --------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        branch, point = self.curve.branch(z)
+        states = branch.initial_scale(point, bounds)
+        middle = []
+        if self.curve.has_scalar:
+            kappa = abs(self.curve.kappa(z))
+            if kappa > 0.0:
+                self.curve.memory.size = max(kappa, self._smallest(z))
+            middle = [self.curve.memory.size]
+        return np.concatenate([states[:-1], middle, [self.widths(z, bounds)[1], float(states[-1]) / 2.0]])
+
+    def _smallest(self, z: Array) -> float:
+        """A size for kappa where it is zero: that of the eigenvalues next to the critical ones, squared."""
+        branch, point = self.curve.branch(z)
+        values = np.sort(np.abs(branch.spectrum(point).values))
+        return 1e-2 * elementary.square(float(values[min(2, len(values) - 1)])) if values.size else 1.0
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        self.curve.precisely(z)
+        tangent = python_march.null_vector(self, z, scale, np.random.default_rng(5).normal(size=len(z)), 1)
+        return [] if tangent is None else [tangent]
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        self.curve.settle(origin.z, origin.tangent * frame.scale)
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(self, base, length, guess, frame, settings)
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        z = guess.copy()
+        z[index] = value
+        row = np.zeros(len(z))
+        row[index] = 1.0
+        before = np.inf
+        for _ in range(POLISH_BUDGET):
+            here = self.linearisation(z, row, scale)
+            if here is None:
+                return None
+            step = here.solve(np.append(-here.residual, 0.0))
+            size = norm(step)
+            if not np.isfinite(size) or size > 1.0:
+                return None
+            if size >= 0.5 * before and before < 1e-6:
+                return z
+            z = z + step * scale
+            z[index] = value
+            if size < 1e-14:
+                return z
+            before = size
+        return z if before < 1e-6 else None
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return explain_events(self.locus, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return watch(self.locus, type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        if type_ == "neutral":
+            return NOTHING
+        self.curve.precisely(near.z)
+        try:
+            return events.verify(self, type_, near, frame)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            return unverified(type_, str(error))
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        return [self.verify(type_, a, frame) for type_ in events.crossed(self.locus, a, b)]
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        n = self.n
+        rows = [self.curve.branch(row) for row in z]
+        points = np.array([point for _, point in rows])
+        columns = self.parameter_columns(z)
+        plain = replace(self.curve.origin, active=self.curve.first)
+        columns.update({k: v for k, v in plain.columns(points).items() if k not in columns})
+        if self.system.observable_names:
+            p = np.array([self.curve.full_parameters(row) for row in z])
+            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
+            columns.update({name: recorded[:, k].copy() for k, name in enumerate(self.system.observable_names)})
+        if self.locus == "HB":
+            columns["kappa"] = z[:, -3].copy()
+            columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
+        return columns
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        return []
+
+    def describe_failure(self, z: Array) -> str:
+        return self.system.explain(z[: self.n], self.curve.full_parameters(z)) or (
+            "The defining system may be singular here (two such curves cross). Try a smaller settings.step or min_step."
+        )

@@ -1,0 +1,1 @@
+"""Equilibria of flows, fixed points of maps, solutions of algebraic equations, in one parameter."""

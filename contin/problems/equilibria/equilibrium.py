@@ -1,0 +1,351 @@
+"""Equilibria of flows and fixed points of maps of a compiled model, as a continuation problem in one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import NO_FUNCTION, Array
+from contin.continuation import march as python_march
+from contin.continuation.problem import (
+    NOTHING,
+    Chunk,
+    Corner,
+    Floor,
+    Frame,
+    Jump,
+    Outcome,
+    Rejected,
+    Renewal,
+    Sample,
+    Verified,
+)
+from contin.continuation.settings import Settings
+from contin.errors import NotFiniteError
+from contin.model.evaluate import evaluate
+from contin.model.model import Model
+from contin.problems.algebraic_states import finite_eigenvalues
+from contin.problems.at_fixed_parameter import at_parameter
+from contin.problems.dense_march import DenseMarch
+from contin.problems.equilibria import corners, special_points
+from contin.problems.equilibria import march_in_kernel as in_kernel
+from contin.problems.equilibria.branching.at_start import unfolded
+from contin.problems.equilibria.corners_of_functions import cross_unnamed_corner, unnamed_corner
+from contin.problems.equilibria.equations import AlgebraicEquations
+from contin.problems.equilibria.normal_forms import with_normal_form
+from contin.problems.equilibria.rounding_of_tests import branch_point_is_lost, pair_is_lost
+from contin.problems.equilibria.scaled import ScaledSystem
+from contin.problems.equilibria.singularity_induced import cut_before_pole, end_at_pole
+from contin.problems.equilibria.start_metric import scales_at
+from contin.problems.equilibria.tangent_branches import beyond
+from contin.problems.neutral_pairs import NeutralMarch, is_neutral
+from contin.problems.neutral_pairs import remarks as neutral_remarks
+from contin.problems.surfaces import boundary
+from contin.problems.surfaces.sliding import Sliding
+from contin.problems.symmetry import reversing_symmetries
+from contin.problems.turning_at_folds import no_fold
+from contin.simulate.natural import guessed_note
+from contin.simulate.reach import has_reach, is_constrained, left_reach
+from contin.special.table import test_on_branch
+from contin.symbolic.passes.translations import translation_notes
+from contin.systems.iterate import IteratedSystem
+
+if TYPE_CHECKING:
+    pass
+
+ON_FLOOR = 1e-9  # scaled: how near to a value at which the equations have none Newton's method comes
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibriumProblem(AlgebraicEquations):
+    """F(u, p) = f(u, p) = 0 (flow) or f(u, p) - u = 0 (map), one parameter free.
+
+    `base` holds all parameter values (m,); entry `active` varies. The compiled system is held here: the addresses that
+    kernels get must not outlive it.
+    """
+
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))
+    sliding: Sliding | None = None  # of pseudo-equilibria: the surface that they lie on
+
+    locus = None
+    parts_touching = True
+
+    def __post_init__(self) -> None:
+        if self.angle_periods.size == 0:
+            object.__setattr__(self, "angle_periods", np.zeros(self.system.n))
+
+    @cached_property
+    def kind(self) -> str:
+        return "fixed-point" if self.is_map else "equilibrium"
+
+    @cached_property
+    def maximum_chunk(self) -> int:
+        """A chunk of some 30 ms: a step costs about 1.5 us, and 15 n^3 ns for the eigenvalues of large systems."""
+        return int(min(2000.0, max(4.0, 0.03 / (1.5e-6 + 1.5e-8 * self.n**3))))
+
+    @cached_property
+    def floors(self) -> tuple[Floor, ...]:
+        """States with a declared minimum (amplitudes): the branch ends where one falls to it."""
+        model = getattr(self.system, "model", None)
+        if not isinstance(model, Model):
+            return ()
+        values = dict(zip(self.system.parameter_names, (float(v) for v in self.base), strict=True))
+        found = []
+        for k, s in enumerate(model.states):
+            if s.minimum is not None:
+                lowest = float(evaluate(s.minimum, values))
+                u, _ = model.start_point()
+                u[k] = lowest
+                alone = np.where(np.arange(self.n) == k, lowest, 0.0)  # or the only one that is not at rest
+                singular = not all(np.all(np.isfinite(self.system.value(v, self.base))) for v in (u, alone))
+                text = f"{s.name} fell to its lowest value. {s.beyond or ''}".rstrip()
+                found.append(Floor(k, lowest, text, singular))
+        return tuple(found)
+
+    @property
+    def motion(self) -> str | None:
+        """The surface that the state slides on, in words: branches of different motions are never one."""
+        return None if self.sliding is None else self.sliding.jump.surface.text
+
+    def separated(self, a: Array, b: Array) -> bool:
+        """True where a surface on which the equations jump lies between a and b: no branch leads across."""
+        return bool(self.system.n_switches) and boundary.separated(self, a, b)
+
+    def scaled(self, scale: Array) -> ScaledSystem:
+        """The same equations in unknowns z / scale."""
+        return ScaledSystem(self, scale)
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        states, _, width = self._scales(z, bounds)
+        return np.append(np.sqrt(self.n) * states, width)
+
+    def _scales(self, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
+        """`scales_at`, kept for the last start: it is asked for there, and of that again at the end."""
+        place = z.tobytes(), *bounds
+        if place not in self._known_scales:
+            self._known_scales.clear()
+            self._known_scales[place] = scales_at(self, z, bounds)
+        return self._known_scales[place]
+
+    @cached_property
+    def _known_scales(self) -> dict[tuple[object, ...], tuple[Array, Array, float]]:
+        return {}
+
+    def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
+        """The states whose scale at the start is a mere 1."""
+        if z[:-1].all() or not self.system.state_names:
+            return ()
+        _, unknown, _ = self._scales(z, bounds)
+        return [name for name, is_unknown in zip(self.system.state_names, unknown, strict=True) if is_unknown]
+
+    def guess_note(self, columns: Sequence[str]) -> str:
+        """What to say of them."""
+        return guessed_note(columns)
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        if not np.all(np.isfinite(self.linearise(z)[1])):
+            raise NotFiniteError(f"no branch passes here: {self.describe_failure(z)}")
+        return special_points.branch_tangents(self.scaled(scale), z / scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        if self.system.jacobian_address == NO_FUNCTION:
+            return python_march.march(
+                DenseMarch(self), origin, before, length, frame, step, limit, bounds, settings, loop
+            )
+
+        if is_neutral(self, origin.z, origin.eigenvalues, frame.scale):
+            dense = NeutralMarch(self, frame.scale)
+            return python_march.march(dense, origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = in_kernel.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        if is_constrained(self.system):
+            chunk = cut_before_pole(self.system, chunk, self.rows_of_parameters(chunk.z), self.n)
+        return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk), frame.scale)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The end at a surface of discontinuity, or a singularity of algebraic equations, that lies ahead."""
+        def determinant(z: Array) -> float:
+            return float(self.system.index_determinants(z[None, : self.n], self.rows_of_parameters(z[None]))[0])  # type: ignore[attr-defined]
+
+        def probe(base: Sample, length: float) -> Sample | None:
+            return self.probe(base, length, base.z + length * frame.scale * base.tangent, frame, Settings())
+
+        pole = end_at_pole(self.system, origin, frame, self.parameters[0], determinant, probe)
+        return pole or boundary.foretold(self, origin, frame)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        if self.system.jacobian_address == NO_FUNCTION:
+            return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
+        if is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return python_march.probe(NeutralMarch(self, frame.scale), base, length, guess, frame, settings)
+
+        return in_kernel.probes(self, base, np.array([length]), guess[None].copy(), frame, settings)[0]
+
+    def probes(
+        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    ) -> Sequence[Sample | None]:
+        """`probe` at several lengths, from the rows of `guesses`."""
+        compiled = self.system.jacobian_address != NO_FUNCTION
+        if compiled and not is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return in_kernel.probes(self, base, lengths, guesses, frame, settings)
+        return [self.probe(base, *place, frame, settings) for place in zip(lengths.tolist(), guesses, strict=True)]
+
+    def points_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> Sequence[Sample | None] | None:  # fmt: skip
+        compiled = self.system.jacobian_address != NO_FUNCTION
+        if not compiled or is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return None
+        return in_kernel.points_between(self, base, ends, lengths, fractions, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return at_parameter(self, guess, value, scale)
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return special_points.explain(self.is_map, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return test_on_branch(type_)
+
+    def is_lost(self, test: int, z: Array, scale: Array) -> bool:
+        jacobian = self.linearise(z)[1] * scale / scale[:-1, None]
+        if not np.isfinite(jacobian).all():
+            return False
+        if test == self.watch("BP"):
+            return branch_point_is_lost(jacobian)
+        return test == self.watch("HB") and not self.is_map and pair_is_lost(jacobian[:, :-1])
+
+    @cached_property
+    def _opaque(self) -> bool:
+        """True for functions whose corners nobody knows; iterates of formulas are as smooth as these."""
+        system = self.system.base if isinstance(self.system, IteratedSystem) else self.system
+        return bool(system.jacobian_address == NO_FUNCTION)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        return self._described(self._turning(special_points.verify(self, type_, near, frame), near, frame), frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        found = (self._turning(item, a, frame) for item in special_points.verify_compound(self, a, b, frame))
+        return [self._described(item, frame) for item in found]
+
+    def _turning(self, found: Outcome, near: Sample, frame: Frame) -> Outcome:
+        """A fold of a user's function only where the curve itself turns: its derivatives may be wrong."""
+        if not self._opaque or (isinstance(found, Verified) and found.type != "LP"):
+            return found
+        if not isinstance(found, Verified):
+            return self._corner_beside(near, frame) or found
+        here = DenseMarch(self).linearisation(found.z, near.tangent, frame.scale)
+        why = no_fold(lambda z: self.linearise(z)[0], here, found.z, frame.scale)
+        return found if why is None else Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
+
+    def _described(self, found: Outcome, frame: Frame) -> Outcome:
+        if not isinstance(found, Verified):
+            return found
+        if any(f.singular and found.z[f.index] - f.lowest <= ON_FLOOR * frame.scale[f.index] for f in self.floors):
+            return NOTHING  # it is none of this branch, which ends there
+        return with_normal_form(self, found, frame.scale)
+
+    def _corner_beside(self, near: Sample, frame: Frame) -> Rejected | None:
+        """What a corner of a user's function does at a sample; None where there is none."""
+        if not self._opaque or self.system.n_switches:
+            return None
+        corner = unnamed_corner(self, near, frame)
+        if corner is None:
+            return None
+        place = f"near {self.parameters[0]} = {corner.z[-1]:.10g}, where the function is not smooth"
+        turns = corner.before[-1] * corner.beyond[-1] < 0.0
+        return Rejected(
+            f"the parameter turns at a corner {place}" if turns else f"the branch bends at a corner {place}"
+        )
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
+        found = self._corner_beside(a, frame)
+        if found is None:
+            return corners.verify_corner(self, a, b, frame)
+        return found if a.unstable == b.unstable else Jump(found.reason)
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        n, names = self.n, self.system.parameter_names
+        columns: dict[str, Array] = {names[self.active]: z[:, -1].copy()}
+        for k, name in enumerate(self.system.state_names):
+            columns[name] = z[:, k].copy()
+        if self.system.observable_names:
+            p = np.tile(self.base, (len(z), 1))
+            p[:, self.active] = z[:, -1]
+            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
+            for k, name in enumerate(self.system.observable_names):
+                columns[name] = recorded[:, k].copy()
+        return columns
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """What holds all along the branch (rows z)."""
+        bounds = float(z[:, -1].min()), float(z[:, -1].max())
+        return neutral_remarks(self, z, lambda: self.initial_scale(z[0], bounds))
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Without the eigenvalues of algebraic equations."""
+        return finite_eigenvalues(self.system, values)
+
+    @property
+    def has_reach(self) -> bool:
+        return has_reach(self.system)
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first row at which the model does not hold, and why."""
+        return left_reach(self.system, z[:, : self.n], self.rows_of_parameters(z))
+
+    def cross_corner(
+        self, last: Sample, frame: Frame, settings: Settings
+    ) -> tuple[Sample, Verified | Corner | None] | None:
+        if self._opaque and not self.system.n_switches:
+            return cross_unnamed_corner(self, last, frame, settings)
+        crossed = corners.cross_corner(self, last, frame, settings)
+        return None if crossed is None or self.separated(last.z, crossed[0].z) else crossed
+
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent, scale))
+
+    def unfolded(self, z: Array, frame: Frame) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
+        return unfolded(self, z, frame)
+
+    def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
+        return beyond(self, point, frame, settings)
+
+    def explain_columns(self, z: Array) -> str | None:
+        """The first observable that is not finite at z, and why."""
+        text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
+        return text
+
+    def describe_failure(self, z: Array) -> str:
+        near = self.system.trouble_near(z[:-1], self.full_parameters(z))
+        if near:
+            return f"Beyond, {near}"
+        text = self.system.explain(z[:-1], self.full_parameters(z))
+        if text:
+            return str(text)
+        _, matrix = self.linearise(z)
+        if not np.all(np.isfinite(matrix)):
+            return "The equations have no derivatives here."
+        values = np.linalg.svd(matrix, compute_uv=False)
+        if values[-1] < 1e-9 * values[0]:
+            known = translation_notes(self.system.model)
+            if known:
+                return f"The Jacobian is singular here: {'; '.join(known)}."
+            return (
+                "The Jacobian is singular here: a branch point where Newton stalls (start off it), or the equations "
+                "are dependent (a conserved quantity or a continuous symmetry; fix it by an equation or a parameter)."
+            )
+        return (
+            "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "
+            "smooth here."
+        )

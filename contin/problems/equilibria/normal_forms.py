@@ -1,0 +1,83 @@
+"""Normal forms of verified points, from exact derivatives of the compiled equations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Verified
+from contin.normalforms.branching import branch_point
+from contin.normalforms.directions import any_branch_point, turning_branch_point
+from contin.normalforms.fold import fold
+from contin.normalforms.hopf import hopf
+from contin.normalforms.jet import DerivativeJet, Kind
+from contin.normalforms.maps import neimark_sacker, period_doubling
+from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.normalforms.sources import jet_of
+from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
+from contin.problems.equilibria.branching import degenerate
+from contin.problems.equilibria.branching.rotated import turning_kernel
+
+if TYPE_CHECKING:
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+
+
+SEVERAL_PAIRS = (
+    "HB: several pairs of eigenvalues cross at once, for which there is no normal form here; families of cycles born "
+    "there are told apart by declared symmetries alone, and without these one is followed"
+)
+
+
+def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) -> DerivativeJet:
+    """Derivatives at z of f in the states and the varying parameter, in the user's units."""
+    u, p = z[: problem.n], problem.full_parameters(z)
+    kind: Kind = "map" if problem.is_map else "flow"
+    return jet_of(problem.linear_part(z), problem.system, u, p, [problem.active], kind, scale)
+
+
+def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
+    """The point with FORMATS' coefficients, their errors and its vectors; what cannot be computed is a remark."""
+    try:
+        form = _normal_form(problem, point, scale)
+    except (ZeroDivisionError, np.linalg.LinAlgError) as reason:
+        return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
+    if form is None:
+        return point
+    numbers = [v for v in form.coefficients.values() if isinstance(v, float)]
+    if not np.all(np.isfinite(numbers)):
+        return replace(point, remark=f"{point.type}: its normal form is not finite")
+    units = unit_mass(problem.system)
+    vectors = {**point.vectors, **in_own_units(form.vectors, units)}
+    errors = {"errors": dict(form.errors)} if form.errors else {}
+    described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
+    if point.type == "HB" and int(point.vectors.get("kernel", 1)) > 1 and not problem.system.model.symmetries:
+        described = replace(described, remark=SEVERAL_PAIRS)
+    return degenerate.described(problem, described, scale) if degenerate.is_degenerate(described) else described
+
+
+def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) -> NormalForm | None:
+    kernel, scale = int(point.vectors.get("kernel", 1)), metric[:-1]
+    units = unit_mass(problem.system)
+    if point.type == "BP" and kernel > 1:
+        if turning_kernel(problem, point.z, scale, kernel) is not None:
+            return turning_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel)
+        return any_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel=kernel)
+    if kernel > 1:
+        return NormalForm(point.type, {"kernel": kernel}, f"{kernel} pairs at once")
+    if point.type not in ("LP", "BP", "HB", "PD", "NS") or point.normal_form.get("kind") == "nonsmooth":
+        return None
+    jet = with_units(jet_at(problem, point.z, scale), units)
+    location = max(STATE_ERROR, point.error / float(metric[-1]))  # of the states, relative: as well as the parameter
+    if point.type == "LP":
+        return fold(jet, state_error=location * scale / units)
+    if point.type == "BP" and "turning" in point.vectors:
+        coefficients = {"kind": "degenerate", "kernel": int(point.vectors["turning"])}
+        return NormalForm("BP", coefficients, "branch point at which the parameter turns on all branches")
+    if point.type == "BP":
+        return branch_point(jet, state_error=location * scale / units, parameter_error=point.error)
+    if point.type == "HB":
+        return hopf(jet, float(point.vectors["omega"]))
+    return period_doubling(jet) if point.type == "PD" else neimark_sacker(jet, float(point.vectors["omega"]))

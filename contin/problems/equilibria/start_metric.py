@@ -1,0 +1,44 @@
+"""The metric at the start of a branch of equilibria: what `contin.problems.scales` needs, taken from the equations."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.scales import bending_lengths, parameter_width, state_scales
+from contin.simulate.natural import BENDS_UP_TO, growth_lengths, pure_derivatives, sizes_of
+
+if TYPE_CHECKING:
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+
+
+def scales_at(problem: EquilibriumProblem, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
+    """Sizes of the states (n,), which of them are a mere 1, and the scale of the parameter."""
+    width = parameter_width(problem.system.model, problem.parameters[0], float(z[-1]), bounds)
+    jacobian = problem.linearise(z)[1]
+    declared, usual = sizes_of(problem.system.model, tuple(problem.full_parameters(z).tolist()))
+    declared = np.where(problem.angle_periods > 0.0, problem.angle_periods / (2.0 * np.pi), declared)
+    lengths = None
+    if problem.n <= BENDS_UP_TO and np.any(z[:-1] != 0.0):
+        lengths = bending_lengths(z[:-1], jacobian, _second_derivatives(problem, z), width)
+    growth = partial(_growth, problem, z, jacobian, width) if problem.n <= BENDS_UP_TO else None
+    states, unknown = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
+    return states, unknown, width
+
+
+def _second_derivatives(problem: EquilibriumProblem, z: Array) -> Array:
+    """d^2 F_k / d u_i^2, (n, n)."""
+    directions = np.eye(problem.n, problem.n + 1)
+    return np.column_stack([problem.hessian(z, directions[i])[:, i] for i in range(problem.n)])
+
+
+def _growth(problem: EquilibriumProblem, z: Array, jacobian: Array, width: float) -> tuple[Array, Array]:
+    """`growth_lengths` at rest, (n,), with slopes as large as they become; and second derivatives (n, n)."""
+    n, p = problem.n, problem.full_parameters(z)
+    by_parameter = problem.hessian(z, np.eye(1, n + 1, n)[0])[:, :n]
+    slopes = np.maximum(np.abs(jacobian[:, :n]), np.abs(by_parameter) * width)
+    second, third = pure_derivatives(problem.system, z[:n], p)
+    return growth_lengths(np.nan_to_num(slopes), second, third), second

@@ -1,0 +1,232 @@
+"""Families of periodic orbits of a flow with events, in one parameter, with a fixed cycle of events.
+
+Unknowns are the state u after the last event of the cycle, and the parameter: u is a fixed point of the map that takes
+it to the state after the next such event (`passage`), so there is no phase to fix. Special points and normal forms are
+those of the map; the family ends where the cycle of events changes (`grazing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as generic
+from contin.continuation.location.halting import HALF_PERIOD
+from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Renewal, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.normalforms.result import sense
+from contin.problems.at_fixed_parameter import at_parameter
+from contin.problems.dense_march import DenseLinearisation, dense_linearisation
+from contin.problems.equilibria import special_points
+from contin.problems.equilibria.fixed_points import OfFixedPoints
+from contin.problems.equilibria.normal_forms import with_normal_form
+from contin.problems.hybrid.grazing import cut_where_events_change, ending, unexpected
+from contin.problems.hybrid.multipliers import stability
+from contin.problems.hybrid.sampling import HybridProfile, extremes, norm, sampled
+from contin.problems.orbits.measured.measures import standard_columns, standard_names
+from contin.problems.scales import parameter_width
+from contin.records import Fields
+from contin.special.table import test_on_branch
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+    from contin.problems.hybrid.flow import HybridFlow
+    from contin.problems.hybrid.passage import Passage
+    from contin.problems.hybrid.return_system import ReturnSystem
+
+OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points, and what they are of orbits
+OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
+SAME: Final = 1e-6  # of the states' sizes: two halves of an orbit are one
+OPPOSITE: Final = 1e-3  # ... and move oppositely
+SHORTER: Final = 0.5  # differences by which those of the normal form are judged
+STEEP: Final = 1e5  # multiplier
+COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those of orbits have other units
+
+
+@dataclass(frozen=True, eq=False)
+class HybridOrbits(OfFixedPoints):
+    """Fixed points (`inner`) of the map of a cycle of events, as periodic orbits."""
+
+    kind = "orbit"
+    multiplied_out = True
+    maximum_chunk = 10
+
+    @property
+    def map(self) -> ReturnSystem:
+        found: ReturnSystem = self.inner.system  # type: ignore[assignment]
+        return found
+
+    @property
+    def flow(self) -> HybridFlow:
+        return self.map.flow
+
+    @property
+    def system(self) -> CompiledSystem:
+        """The flow without its events."""
+        return self.flow.described
+
+    @property
+    def angle_periods(self) -> Array:
+        return self.inner.angle_periods
+
+    def doubled(self) -> HybridOrbits:
+        """Orbits with the cycle of events twice."""
+        twice = replace(self.map, arcs=2 * self.map.arcs, winding=2.0 * self.map.winding)
+        return HybridOrbits(replace(self.inner, system=twice))
+
+    def passage(self, z: Array) -> Passage | None:
+        """The cycle from the solution z."""
+        return self.map.passage(z[:-1], self.inner.full_parameters(z))
+
+    def unexpected(self, z: Array) -> tuple[int, int] | None:
+        """(event, arc) of the first event on the orbit that its cycle does not have."""
+        return unexpected(self, z)
+
+    def profile(self, z: Array) -> HybridProfile:
+        """The orbit over one period."""
+        return sampled(self, z)
+
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Multipliers of the orbit, of an autonomous system the trivial one first."""
+        return stability(self, z)[2]
+
+    # the engine's contract --------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        width = parameter_width(self.flow.given, self.parameters[0], float(z[-1]), bounds)
+        return np.append(np.sqrt(self.n) * self.map.sizes[self.map.kept], width)
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        return self.inner.tangents(z, scale)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
+        """Of the map's fixed points, as `contin.continuation.march` takes it."""
+        return dense_linearisation(*self.inner.linearise(z), tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests, count and multipliers."""
+        return stability(self, z)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_where_events_change(self, chunk, frame, settings)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return generic.probe(self, base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return at_parameter(self.inner, guess, value, scale)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        end = ending(self, origin, before)
+        return None if end is None else Renewal(frame.scale, origin, before, None, end)
+
+    # special points ---------------------------------------------------------------------------------------------------
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        found = special_points.explain(True, a, b)
+        return None if found is None else tuple(OF_ORBITS.get(type_, type_) for type_ in found)
+
+    def watch(self, type_: str) -> int | None:
+        return test_on_branch(type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        try:
+            found = self.inner.verify(OF_MAPS.get(type_, type_), self._of_map(near), frame)
+            return self._of_orbit(found, frame.scale)
+        except np.linalg.LinAlgError:  # a point beside which an event of the cycle does not come
+            return Rejected("the events beside this point are others")
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        found = self.inner.verify_compound(self._of_map(a), self._of_map(b), frame)
+        return [self._of_orbit(item, frame.scale) for item in found]
+
+    def _of_map(self, sample: Sample) -> Sample:
+        """Without the trivial multiplier."""
+        return sample if self.flow.forced else replace(sample, eigenvalues=sample.eigenvalues[1:])
+
+    def _of_orbit(self, found: Outcome, scale: Array) -> Outcome:
+        if not isinstance(found, Verified):
+            return found
+        form = renamed(self._surely(found, scale))
+        type_ = OF_ORBITS.get(found.type, found.type)
+        return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=form)
+
+    def _surely(self, found: Verified, scale: Array) -> Fields:
+        """The normal form; its derivatives are differences, whose error other steps show."""
+        other = replace(self.inner, system=replace(self.map, stretch=SHORTER))
+        again = with_normal_form(other, replace(found, normal_form={}), scale).normal_form
+        form, errors = dict(found.normal_form), dict(found.normal_form.get("errors", {}))
+        for key, value in form.items():
+            if isinstance(value, float) and isinstance(again.get(key), float):
+                errors[key] = float(errors.get(key, 0.0)) + 2.0 * abs(value - again[key])
+        if errors:
+            form["errors"] = errors
+        decides = {"PD": ("c", -1.0), "NS": ("d", 1.0)}.get(found.type)
+        if decides is not None and isinstance(form.get(decides[0]), float):
+            form["criticality"] = sense(decides[1] * form[decides[0]], errors.get(decides[0], 0.0))
+        return form
+
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return HALF_PERIOD in symmetries and self._halves(z, tangent)
+
+    def _halves(self, z: Array, tangent: Array) -> bool:
+        """True where the second half of the orbit repeats the first, and `tangent` (raw) drives them apart."""
+        arcs = self.map.arcs
+        if len(arcs) % 2 or arcs[: len(arcs) // 2] != arcs[len(arcs) // 2 :]:
+            return False
+        half = replace(self.map, arcs=arcs[: len(arcs) // 2], winding=0.5 * self.map.winding)
+        value, matrix = half.jacobian(z[:-1], self.inner.full_parameters(z))
+        sizes = self.map.sizes[self.map.kept]
+        if not float(np.max(np.abs(value - z[:-1]) / sizes)) <= SAME:
+            return False
+        moved = (matrix[:, : self.n] @ tangent[:-1] + tangent[:-1]) / sizes
+        return float(np.abs(moved).max()) <= OPPOSITE * float(np.abs(tangent[:-1] / sizes).max())
+
+    # words and columns ------------------------------------------------------------------------------------------------
+
+    def column_names(self) -> tuple[str, ...]:
+        """Names that `columns` gives, for user values."""
+        names = (*self.system.state_names, *self.system.observable_names)
+        extremes = (f"{f}.{e}" for f in names for e in ("min", "max"))
+        return (self.parameters[0], "period", *extremes, *standard_names(self.system))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Parameter, period, extremes of every state and observable over the orbit, and the standard columns."""
+        passages = [self.passage(row) for row in z]
+        columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
+        columns["period"] = np.array([np.nan if p is None else p.period for p in passages])
+        names = (*self.system.state_names, *self.system.observable_names)
+        ranges = np.array([extremes(self, row) for row in z]).reshape(len(z), 2, len(names))
+        for k, name in enumerate(names):
+            columns[f"{name}.min"], columns[f"{name}.max"] = ranges[:, 0, k], ranges[:, 1, k]
+        return columns | standard_columns(self.system, columns, lambda: np.array([norm(self, row) for row in z]))
+
+    def describe_failure(self, z: Array) -> str:
+        why = self.map.explain(z[:-1], self.inner.full_parameters(z))
+        if why:
+            return f"Beyond, {why}."
+        largest = float(np.nanmax(np.abs(self.multipliers(z)), initial=0.0))
+        if largest > STEEP:
+            return (
+                f"A multiplier of {largest:.1e}: the map from jump to jump is so steep there that its trajectories do "
+                "not resolve it (a canard, or a burst that gains or loses a spike)."
+            )
+        return self.inner.describe_failure(z)
+
+
+def renamed(form: Fields) -> Fields:
+    """A normal form with coefficients that say that they are the map's."""
+
+    def of_map(entries: Mapping[str, object]) -> Fields:
+        return {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in entries.items()}
+
+    return of_map(form) | ({"errors": of_map(form["errors"])} if "errors" in form else {})

@@ -1,0 +1,211 @@
+"""Eigenvalues in pairs whose sum is zero (maps: whose product is one) all along a branch, as in conservative systems.
+
+Where energy, an area or a reversal of time is kept, l and -l (m and 1/m) are eigenvalues together: a pair stays on the
+stability boundary until it meets another one, and the sign of its real part is a rounding error. How large those are
+depends on the matrix: with right and left eigenvectors q, p an error E of its entries moves l by |p|^T E |q| / |<p, q>|
+(Wilkinson, The Algebraic Eigenvalue Problem, ch. 2). Two eigenvalues that are a pair to these errors are made an exact
+one before they are counted and tested.
+"""
+
+from __future__ import annotations
+
+from cmath import isfinite
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.linalg.spectrum import count_and_tests, spectrum
+from contin.problems.dense_march import DenseMarch
+
+if TYPE_CHECKING:
+    from contin.problems.contracts import DenseInOneParameter
+    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.shooting.shot_orbits import ShootingProblem
+
+Values = NDArray[np.complex128]
+
+FEW: Final = 8  # eigenvalues
+SUSPECT: Final = 1e-6  # of their sizes: two eigenvalues this nearly opposite may be a pair
+KNOWN: Final = 1e-14  # ... and this nearly, they are one in the compiled tests as well
+ROUNDING: Final = 8.0 * float(np.finfo(float).eps)  # error of an entry beside the row's and column's size
+SAFETY: Final = 10.0
+STEP: Final = 1e-7  # (relative to the states' and parameter's scales) of the second difference that measures rounding
+CLEAR: Final = 0.5  # part of what the compiled tests allow for that an error may be
+ON_CIRCLE: Final = 1e-7  # distance from the unit circle of a multiplier of an orbit that is on it, to its error
+NEARLY: Final = 0.05  # ... and of one whose error is not known
+LOOKS: Final = 5  # rows of a branch at which pairs are looked for
+
+
+def misfits(values: Values, is_map: bool) -> Array:
+    """|l_i + l_j| or |m_i m_j - 1|, (n, n), relative to their sizes; infinite on the diagonal."""
+    if is_map:
+        found = np.abs(values[:, None] * values - 1.0) / (1.0 + np.abs(values[:, None] * values))
+    else:
+        size = np.abs(values)
+        found = np.abs(values[:, None] + values) / np.maximum(size[:, None] + size, 1e-300)
+    np.fill_diagonal(found, np.inf)
+    return np.asarray(found)
+
+
+def is_suspect(values: Values, is_map: bool) -> bool:
+    """True where two eigenvalues are so nearly a pair that only their errors tell whether they are one."""
+    if len(values) > FEW:
+        return bool(np.all(np.isfinite(values)) and np.any(misfits(values, is_map) < SUSPECT))
+    listed = values.tolist()  # asked at every point that is looked at: numbers take less time than arrays
+    if not all(map(isfinite, listed)):
+        return False
+    for a, b in combinations(listed, 2):
+        gap, size = (abs(a * b - 1.0), 1.0 + abs(a * b)) if is_map else (abs(a + b), max(abs(a) + abs(b), 1e-300))
+        if gap < SUSPECT * size:
+            return True
+    return False
+
+
+def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> Array:
+    """Errors of the eigenvalues of f_u at z, (n,): of rounding in the formulas, and in the eigenvalues themselves."""
+    matrix = problem.linear_part(z)
+    shift = STEP * scale * np.where(np.arange(len(z)) % 2, -1.0, 1.0)
+    rounding = np.abs(problem.linear_part(z + shift) - 2.0 * matrix + problem.linear_part(z - shift))
+    balanced = scale[:-1] / scale[0]
+    entries = rounding / balanced[:, None] * balanced
+    matrix = matrix / balanced[:, None] * balanced
+    entries += ROUNDING * float(np.abs(matrix).max())
+    if not np.all(np.isfinite(entries)):
+        return np.zeros(len(values))
+    known, right = np.linalg.eig(matrix)
+    left = _left_vectors(right)
+    products = np.abs(np.sum(left.conj() * right, axis=0))
+    size = np.sum(np.abs(left) * (entries @ np.abs(right)), axis=0)
+    worst = np.sqrt(np.abs(entries).max() * max(float(np.abs(known).max()), 1e-300))  # a double eigenvalue splits so
+    each = np.where(products > 0.0, np.minimum(size / np.maximum(products, 1e-300), worst), worst)
+    nearest = np.abs(values[:, None] - known).argmin(axis=1)
+    return np.asarray(SAFETY * each[nearest])
+
+
+def _left_vectors(right: Values) -> Values:
+    """Unit left eigenvectors, in columns, to right ones: the rows of the inverse; zero where there is none."""
+    try:
+        left = np.linalg.inv(right).conj().T
+    except np.linalg.LinAlgError:  # a multiple eigenvalue with too few vectors
+        return np.zeros_like(right)
+    return np.asarray(left / np.linalg.norm(left, axis=0))
+
+
+def paired(values: Values, errors: Array, is_map: bool) -> Values:
+    """The eigenvalues with those that are pairs to their errors made exact ones; each takes part in one pair."""
+    exact = values.copy()
+    size = np.abs(values)
+    if is_map:
+        limits = errors[:, None] * size + errors * size[:, None]
+        gaps = np.abs(values[:, None] * values - 1.0)
+    else:
+        limits = errors[:, None] + errors
+        gaps = np.abs(values[:, None] + values)
+    close = np.triu(gaps <= limits, 1)
+    left = set(range(len(values)))
+    for i, j in sorted(zip(*np.nonzero(close), strict=True), key=lambda pair: float(gaps[pair])):
+        if i in left and j in left:
+            left -= {i, j}
+            a, b = values[i], values[j]
+            if is_map:
+                root = np.sqrt(a * b)
+                exact[i], exact[j] = a / root, b / root
+            else:
+                exact[i], exact[j] = 0.5 * (a - b), 0.5 * (b - a)
+    return exact
+
+
+@dataclass(frozen=True, eq=False)
+class NeutralMarch(DenseMarch):
+    """A dense problem, as the Python march takes it, whose pairs of eigenvalues are exact."""
+
+    problem: EquilibriumProblem
+    scale: Array
+
+    def stability(self, z: Array) -> tuple[Array, int, Values]:
+        is_map = self.problem.is_map
+        values, rates = spectrum(self.problem.linear_part(z))
+        if is_suspect(values, is_map):
+            values = paired(values, errors_of(self.problem, z, values, self.scale), is_map)
+        count, tests = count_and_tests(values, is_map, rates)
+        return tests[2:], count, values
+
+
+def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> bool:
+    """True where eigenvalues are pairs to their errors, and these are more than the compiled tests allow for.
+
+    values : at z, where they are known.
+    """
+    if len(values) == problem.n and not is_suspect(values, problem.is_map):
+        return False
+    values, _ = spectrum(problem.linear_part(z))
+    if not is_suspect(values, problem.is_map):
+        return False
+    errors = errors_of(problem, z, values, scale)
+    taken = paired(values, errors, problem.is_map) != values
+    return bool(np.any(errors[taken] > CLEAR * SAFETY * KNOWN * np.abs(values).max()))
+
+
+def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) -> Sequence[str]:
+    """That pairs of eigenvalues stay on the stability boundary along the branch (rows z, in the metric `scale`)."""
+    looked = _places(len(z))
+    fewest = problem.n if looked else 0
+    for row in z[looked]:
+        values, _ = spectrum(problem.linear_part(row))
+        if not is_suspect(values, problem.is_map):  # what stays on the boundary is a pair whose sum is nearly zero
+            return ()
+        exact = paired(values, errors_of(problem, row, values, scale()), problem.is_map)
+        fewest = min(fewest, _on_boundary(exact, problem.is_map, KNOWN))
+    return _words(fewest, problem.is_map)
+
+
+def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array, seen: Values) -> Sequence[str]:
+    """The same of the multipliers of a family of orbits (rows z, padded with NaN).
+
+    seen (rows, k) : multipliers from factors of orbits nearby, which tell families without such pairs.
+    """
+    looked = _places(len(z))
+    near = np.sum(np.abs(np.abs(seen[looked]) - 1.0) <= NEARLY, axis=1) - int(problem.autonomous)
+    if np.any((near < 2) & np.isfinite(seen[looked]).all(axis=1)):
+        return ()
+    fewest = problem.n if looked else 0
+    for row in z[looked]:
+        values = problem.multipliers(row[~np.isnan(row)])
+        others = values[1:] if problem.autonomous else values
+        if not np.all(np.isfinite(values)):
+            return ()
+        fewest = min(fewest, _on_boundary(others, True, ON_CIRCLE))
+        if fewest == 0:
+            return ()
+    return _words(fewest, True)
+
+
+def _places(rows: int) -> list[int]:
+    """Some rows; none of a short branch."""
+    return [k * (rows - 1) // (LOOKS - 1) for k in range(LOOKS)] if rows >= LOOKS else []
+
+
+def _on_boundary(values: Values, is_map: bool, limit: float) -> int:
+    """How many complex pairs are on the stability boundary, to the limit."""
+    if not len(values):
+        return 0
+    size = 1.0 if is_map else float(np.abs(values).max())
+    distance = np.abs(np.abs(values) - 1.0) if is_map else np.abs(values.real)
+    return int(np.sum((distance <= limit * size) & (values.imag > np.sqrt(limit) * np.abs(values))))
+
+
+def _words(pairs: int, is_map: bool) -> Sequence[str]:
+    if not pairs > 0:
+        return ()
+    where, name = ("on the unit circle", "multipliers") if is_map else ("on the imaginary axis", "eigenvalues")
+    many = "a pair of" if pairs == 1 else f"{pairs} pairs of"
+    return (
+        f"{many} {name} stay{'s' if pairs == 1 else ''} {where} along the branch, to rounding, as where an energy or "
+        "an area is kept: no bifurcation of theirs is told by a sign, and `stable` says only that none is outside",
+    )

@@ -1,0 +1,224 @@
+"""Families of periodic orbits by orthogonal collocation, as a continuation problem in one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin import lazy
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.kernels.collocation import Equations
+from contin.kernels.collocation_basis import basis
+from contin.problems.neutral_pairs import remarks_on_orbits
+from contin.problems.orbits.ends.ends import foretold
+from contin.problems.orbits.ends.multiply_traversed import cut_where_traversed
+from contin.problems.orbits.ends.vertical import remarks, stands_at_birth, width_at_birth
+from contin.problems.orbits.family import FamilyOfOrbits
+from contin.problems.orbits.forcing_period import ForcingPeriod
+from contin.problems.orbits.linearised.linear import branch_tangents
+from contin.problems.orbits.march import in_kernel
+from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
+from contin.problems.orbits.measured.columns import names_of, norms, orbit_columns, periods, with_observables
+from contin.problems.orbits.measured.measures import Measures, standard_columns
+from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.layout import Profile, make_scale, profile_of, sizes_of
+from contin.problems.orbits.mesh.sizes import state_sizes
+from contin.problems.orbits.normal_forms.eigenfunctions import eigenfunctions
+from contin.problems.orbits.renewal import renew
+from contin.problems.orbits.special_orbits.events import explain, verify, verify_compound
+from contin.problems.orbits.symmetric.shifted_in_time import apart, cut_at_start, in_phase
+from contin.problems.orbits.symmetric.symmetry import orbits_moved, reverses
+
+MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
+PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
+EXACT = 1e-12  # tolerance where the parameter is fixed
+CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitProblem(FamilyOfOrbits):
+    """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbits.mesh.layout`.
+
+    points : Gauss points an interval.  intervals : fixed number of mesh intervals, or None.  multiple : forcing periods
+    in one orbit of a forced system.
+    """
+
+    points: int = 4
+    intervals: int | None = None
+    multiple: int = 1
+    tolerance: float = MESH_TOLERANCE
+    forcing: ForcingPeriod | None = None
+    origin: tuple[float, Array] | None = None  # parameter and period, states of the Hopf point it was born at
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))  # the engine's wrapping is not used
+    measures: Measures | None = None  # columns that are asked for beside those of every family
+
+    def __post_init__(self) -> None:
+        if self.system.is_forced and self.forcing is None:
+            object.__setattr__(self, "forcing", ForcingPeriod.of(self.system))
+
+    @property
+    def maximum_chunk(self) -> int:
+        return in_kernel.LONGEST_CHUNK
+
+    def profile(self, z: Array) -> Profile:
+        return profile_of(z, self.n, self.points)
+
+    @cached_property
+    def equations(self) -> Any:
+        """The kernels' view of the equations."""
+        scheme, forcing = basis(self.points), 0 if self.forcing is None else self.forcing.address
+        return Equations(
+            self.system.value_address, self.system.jacobian_address, forcing, self.multiple, self.n, self.points,
+            self.active, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights,
+            np.asarray(self.winding, dtype=float),
+        )  # fmt: skip
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric that belongs to z's mesh."""
+        return sizes_of(scale, self.profile(z).h, self.n, self.points)
+
+    def period_place(self, z: Array) -> int:
+        return int(self.profile(z).u.size)
+
+    @cached_property
+    def width_at_birth(self) -> float:
+        """Scale of the parameter of a family that was born at a Hopf point."""
+        return width_at_birth(self)
+
+    @property
+    def resolution(self) -> float:
+        return self.tolerance
+
+    def is_constant(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is an equilibrium."""
+        u = self.profile(z).u
+        return bool(np.all(np.ptp(u, axis=0) <= CONSTANT * self.sizes(z, scale))) and not self.winding.any()
+
+    def state_sizes(self, profile: Profile) -> Array:
+        """Typical size of every state on an orbit, (n,)."""
+        return state_sizes(self, profile)
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        profile, width = self.profile(z), self.width(z, bounds)
+        return make_scale(profile.h, self.points, self.state_sizes(profile), PERIOD_SCALE * profile.period, width)
+
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """On the mesh that is asked for; for shooting where that is asked for, or the flow is piecewise smooth."""
+        configured: Seed = lazy.module("discretisation").orbits_as_chosen(seed, settings)
+        return configured
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        return branch_tangents(self, z, scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = in_kernel.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_at_start(self, cut_where_traversed(self, chunk), loop, frame.scale)
+
+    def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
+        return in_phase(self, start, near, scale) if self.autonomous and start.z.size == near.size else start
+
+    def apart(self, start: Array, near: Array, scale: Array) -> float:
+        return apart(self, start, near, scale)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        if length == 0.0 and self.autonomous and self.is_constant(base.z, frame.scale):
+            return None
+        tolerance = min(settings.tolerance, PROBE_TOLERANCE)
+        return in_kernel.probe(self, base.z, base.tangent, length, guess, frame, tolerance)
+
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
+        return in_kernel.multipliers(self, z)
+
+    def eigenfunctions(self, z: Array, multipliers: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """(k, times, n) at the times of `profile`."""
+        return eigenfunctions(self, z, multipliers)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        fixed = np.zeros_like(scale)
+        fixed[-1] = 1.0
+        z0 = guess.copy()
+        z0[-1] = value
+        found = in_kernel.probe(self, z0, fixed, 0.0, z0, Frame(scale), EXACT)
+        if found is None:
+            return None
+        found.z[-1] = value
+        return found.z
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return explain(a, b, stands_at_birth(self, a.z) and stands_at_birth(self, b.z))
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        return verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        return verify_compound(self, a, b, frame)
+
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        """True at an orbit at which the family meets its own image."""
+        return any(reverses(self, z, tangent, name) for name in symmetries)
+
+    def moved(self, name: str, z: Array) -> Array:
+        """Images of rows z under a declared symmetry."""
+        return orbits_moved(self, name, z)
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
+
+        def functions(u: Array, rows: Array) -> Array:
+            p = np.tile(self.full_parameters(np.zeros(1)), (len(rows), 1))
+            p[:, self.active] = rows[:, -1]
+            return with_observables(self.system, u, p)
+
+        columns = {self.parameters[0]: z[:, -1].copy(), "period": periods(z, self.profile)}
+        columns |= orbit_columns(z, names_of(self.system), self.profile, functions)
+        columns |= standard_columns(self.system, columns, lambda: norms(z, self.profile))
+        if self.measures is not None:
+            columns |= self.measures.columns([self.profile(row) for row in z], lambda k: self.full_parameters(z[k]))
+        return columns
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        return renew(self, origin, before, loop, frame, settings)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """A homoclinic orbit that the family was near when its corrector failed."""
+        if before is None:
+            return None
+        found = foretold(self, origin, before, frame)
+        return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """That the family is vertical, or neutral."""
+        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues))
+
+    def describe_failure(self, z: Array) -> str:
+        text = self.explain_states(z)
+        if text:
+            return text
+        profile = self.profile(z)
+        error, _ = estimate(profile, self.state_sizes(profile))
+        if error > 100.0 * self.tolerance:
+            return (
+                f"The mesh of {profile.intervals} intervals does not resolve the orbit (estimated error {error:.1e}): "
+                "it is very stiff here (a canard?). Try settings.intervals, or start from a simulation beyond this "
+                "point."
+            )
+        return (
+            "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "
+            "smooth here."
+        )

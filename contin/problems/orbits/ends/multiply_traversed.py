@@ -1,0 +1,121 @@
+"""Families that have slipped onto one of half (a third of) the period, whose orbits they run through twice (thrice).
+
+Beside its birth and its end a doubled family is as near to the orbits it leaves as its amplitude, and a corrector may
+fall onto these. Doubled orbits of their own move by ds with a difference of their halves that changes by about ds;
+where the halves agree and go on to do so, they are the known orbits. The step is then repeated, shorter, and where no
+step helps the branch ends as joined.
+"""
+
+from __future__ import annotations
+
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Chunk, Stop
+from contin.problems.orbits.mesh.layout import Profile, Transfer
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+
+PARTS: Final = (2, 3)  # half and a third of the period
+SAMPLES: Final = 60  # times in a period at which orbits are compared
+FIRST: Final = slice(SAMPLES // 3, SAMPLES // 3 + 2)  # of these: most orbits need no more to be told from their parts
+EQUAL: Final = 1e-4  # of the extent: parts that differ by less may be the same
+STANDING: Final = 1e-2  # ... if in a step their difference changes by less than this part of its (scaled) length
+SHORTER: Final = 0.1  # the repeated step beside the one that slipped
+SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
+
+
+def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
+    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
+    later, now = np.split(profile.at(_times(parts).ravel()), 2)
+    return np.asarray((later - now - winding / parts) / _extent(profile, winding))
+
+
+def _extent(profile: Profile, winding: Array) -> float:
+    """The largest of the orbit's extents, and of what it gains in a period."""
+    u = profile.u.T
+    return max(float(np.maximum(u.max(axis=1) - u.min(axis=1), np.abs(winding)).max()), float(np.finfo(float).tiny))
+
+
+@cache
+def _times(parts: int) -> Array:
+    """Times to compare, later and earlier ones, (2, `SAMPLES`)."""
+    earlier = np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
+    return np.stack([earlier + 1.0 / parts, earlier])
+
+
+@cache
+def _first_times() -> Array:
+    """Of both `PARTS` those that most orbits need to be told from their parts, (2, 2 * `FIRST`)."""
+    return np.concatenate([_times(parts)[:, FIRST] for parts in PARTS], axis=1)
+
+
+@lru_cache(maxsize=16)
+def _first_look(m: int, h: bytes) -> Transfer:
+    """To these times, from the nodes of a mesh: most orbits in turn are on one."""
+    return Transfer.to_times(m, np.frombuffer(h), _first_times().ravel())
+
+
+def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
+    """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
+    possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
+    winding = np.asarray(problem.winding)
+    if winding.any():  # a part of it must be a whole number of turns of every angle
+        angles = np.asarray(problem.system.model.periods())[: len(winding)]
+        possible = [parts for parts in possible if _are_whole(winding[winding != 0.0] / parts, angles[winding != 0.0])]
+    if not possible:
+        return 1
+    orbit = problem.profile(z)
+    later, now = np.split(_first_look(orbit.m, orbit.h.tobytes())(orbit.u), 2)
+    gaps, limit, each = later - now, EQUAL * _extent(orbit, winding), len(later) // len(PARTS)
+    for k, parts in enumerate(PARTS):
+        gap = gaps[k * each : (k + 1) * each] - winding / parts
+        if parts not in possible or not np.abs(gap).max() < limit:
+            continue
+        here = parts_apart(orbit, winding, parts)
+        if not np.abs(here).max() < EQUAL:
+            continue
+        change = here - parts_apart(problem.profile(before), winding, parts)
+        if np.abs(change).max() < STANDING * step:
+            return parts
+    return 1
+
+
+def _are_whole(gains: Array, periods: Array) -> bool:
+    """True where every angle gains a multiple of its period."""
+    turns = gains / periods
+    return bool(np.all(np.abs(turns - np.round(turns)) < 1e-6))
+
+
+def cut_where_traversed(problem: OrbitProblem, chunk: Chunk) -> Chunk:
+    """The chunk before the row at which it slips, to go on with a shorter step; with that row where none helps."""
+
+    def slipped(row: int) -> bool:
+        return times_traversed(problem, chunk.z[row], chunk.z[row - 1], float(chunk.lengths[row])) > 1
+
+    last = len(chunk) - 1
+    if last < 1 or not slipped(last):
+        return chunk
+    first = next(row for row in range(1, last + 1) if slipped(row))
+    step = SHORTER * float(chunk.lengths[first])
+    return chunk.cut(first if step > SHORTEST else first + 1, Stop.LIMIT, max(step, SHORTEST))
+
+
+def joined(problem: OrbitProblem, z: Array, before: Array, scale: Array) -> End | None:
+    """The end of a family at an orbit (z, its row before) that is another one run through several times."""
+    if z.size != before.size:
+        return None
+    count = times_traversed(problem, z, before, float(np.linalg.norm((z - before) / scale)))
+    if count == 1:
+        return None
+    period = problem.profile(z).period
+    text = (
+        f"joined a known family at {problem.parameters[0]} = {z[-1]:.10g}: the orbits run {count} times through those "
+        f"of period {period / count:.8g}"
+    )
+    return End("joined", text, {"value": float(z[-1]), "times": count})

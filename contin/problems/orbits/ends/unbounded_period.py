@@ -1,0 +1,157 @@
+"""Families whose period grows without bound: the homoclinic or heteroclinic orbit that they approach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.machine import elementary
+from contin.problems.orbits.ends.extrapolated import extrapolated, with_next
+from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_near
+from contin.problems.orbits.mesh.layout import Profile
+from contin.records import Fields
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
+
+REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
+AGREED = 1e-9  # ... or at which two extrapolations agree to this
+AGREED_SPIRAL = 1e-7  # ... with complex leading eigenvalues, where infinitely many folds accumulate
+SWINGING = 6.0  # the error estimate's factor of safety there
+DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
+NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
+LEVELS = 3  # rates of a saddle that are tried
+RELAXED = 3.0  # periods, in units of a slower rate, from which its term would be seen; before it is like a constant
+FADES = 0.5  # part of a faster rate at which dp/dT must fall: the two constants of a spiral fit any two orbits
+FITS = 0.1  # part of what the parameter moved that a faster rate may leave unexplained
+SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
+NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
+PRECISE = Settings(tolerance=1e-11)
+
+
+def diverged(
+    problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame, failed: bool = False
+) -> tuple[End, Verified] | None:
+    """The homoclinic or heteroclinic orbit that a family with growing period approaches.
+
+    With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
+    p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r,
+    whose A and c the slopes of two orbits give. Slopes are those of the tangents. The limit is believed when two orbits
+    agree on it and the remaining distance is small, and the orbits' extrema, too, are near their limits
+    e* = e + (de/dT) / k: those of Lotka and Volterra's predator and prey linger at a saddle, and grow for ever. The
+    slowest direction of a saddle may have no part in it (a skew product, the phase of a frame that turns with the
+    state, a flip): faster rates are tried after it, once the period is so long that its term could be seen, and
+    where they explain how the parameter moved (Plant's bursting neuron has rates of 0.00015, 0.0059 and 0.012: the
+    third makes limits of two orbits of period 985, and of period 23,000, that are wrong by 200 times their errors).
+
+    failed : the corrector can go no further; then two orbits need not agree, the march's tangents do, and what remains
+        counts as error.
+    """
+    profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
+    position = problem.period_place(origin.z)
+    earlier = problem.profile(before.z)
+    gained = profile.period - earlier.period
+    if not gained > 0.0:
+        return None
+    saddles = saddles_near(problem, profile, sizes)
+    if not saddles:
+        return None
+    slopes = []
+    for sample in (origin, before):
+        exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
+        tangent = sample.tangent if exact is None else exact.tangent
+        if (exact is None and not failed) or tangent[position] == 0.0:
+            return None
+        raw = tangent * frame.scale
+        slopes.append(float(raw[-1] / raw[position]))
+    width = float(frame.scale[-1])
+    moved = profile.parameter - earlier.parameter
+    growth = _growth(profile, earlier, sizes, problem.winding) / gained
+    visits = [s.visits for s in saddles]
+    rates = list(zip(*(s.by_rate for s in saddles), strict=False))
+    limits = [extrapolated(slowest, visits, slopes, gained, moved) for slowest in rates[:LEVELS]]
+    seen = limits[0].rate * profile.period > RELAXED
+    fading = _fading(slopes, gained)
+    used = [seen and fading > FADES * one.rate and (failed or one.drift <= FITS * abs(moved)) for one in limits]
+    if not failed and len(saddles) == 1:
+        pairs = pairwise(limits)
+        limits = [with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairs] + limits[-1:]
+    limits = limits[:1] + [limit for limit, fits in zip(limits[1:], used[1:], strict=True) if fits]
+    if failed:
+        limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
+    for level, limit in enumerate(limits):
+        remaining = abs(limit.step)
+        if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
+            continue
+        error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
+        error = max(error, limit.doubt)
+        settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
+        near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
+        if failed and remaining < NOISE * width:
+            near, error = True, max(error, remaining)
+        if settled or (near and level == 0):
+            at = profile.parameter + limit.step
+            at_limit = [s.at(problem, at, sizes) for s in saddles]
+            doubt = (SWINGING if limit.spiral else 3.0) * error
+            doubt += (2.0 * remaining + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
+            return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
+    return None
+
+
+def _fading(slopes: Sequence[float], gained: float) -> float:
+    """The rate at which dp/dT has become smaller from one orbit to the next; infinite where its sign has changed."""
+    here, before = slopes
+    return float(elementary.log(before / here)) / gained if before * here > 0.0 else np.inf
+
+
+def _changed(saddles: list[Saddle], at_limit: list[Saddle]) -> float:
+    """Largest change of a leading eigenvalue from here to the limit, relative to its rate: that of log(p - p*) / (k T)
+    at both orbits."""
+    return max(
+        abs(one.leading - other.leading) / abs(one.leading.real) for one, other in zip(saddles, at_limit, strict=True)
+    )
+
+
+def _growth(profile: Profile, earlier: Profile, sizes: Array, winding: Array) -> float:
+    """Largest change of an extremum between two orbits, relative to the extent; not of angles that go round: their
+    extrema say where a period begins, and they cannot grow."""
+    changes = [np.abs(f(profile.u, axis=0) - f(earlier.u, axis=0)) / sizes for f in (np.min, np.max)]
+    return float(np.max(changes, initial=0.0, where=np.asarray(winding == 0.0))) / extent_of(profile, sizes)
+
+
+def _connection(
+    problem: FamilyOfOrbits, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
+) -> tuple[End, Verified]:
+    name, names = problem.parameters[0], problem.system.state_names
+    data: Fields = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
+    kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
+    sizes = np.abs(profile.u).max(axis=0)
+    states = [dict(zip(names, rounded(s.u, sizes).tolist(), strict=True)) for s in saddles]
+    described = ["(" + ", ".join(f"{k} = {v:.8g}" for k, v in state.items()) + ")" for state in states]
+    if len(saddles) == 1:
+        data |= {"saddle": states[0], "eigenvalues": saddles[0].eigenvalues, "saddle_quantity": saddles[0].quantity}
+        data["passes"] = saddles[0].visits
+    else:
+        data["saddles"] = [
+            {"state": state, "eigenvalues": s.eigenvalues, "saddle_quantity": s.quantity}
+            for state, s in zip(states, saddles, strict=True)
+        ]
+    text = (
+        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} "
+        f"+- {error:.1e}, "
+        f"saddle{'s' if len(saddles) > 1 else ''} {', '.join(described)}"
+    )
+    z = origin.z.copy()
+    z[-1] = limit  # the last orbit stands for the connecting one
+    point = Verified(
+        "HOM", z, float(abs(limit - profile.parameter)), error, origin.eigenvalues, origin.unstable,
+        normal_form={"at": {name: limit}} | ({"kind": kind} if kind == "heteroclinic" else {}),
+    )  # fmt: skip
+    return End(kind, text, data), point

@@ -1,0 +1,1 @@
+"""The linearised collocation equations, and multipliers from them."""

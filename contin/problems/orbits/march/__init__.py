@@ -1,0 +1,1 @@
+"""The compiled march of a family, and what its rows hold."""

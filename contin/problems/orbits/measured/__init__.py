@@ -1,0 +1,1 @@
+"""Numbers of an orbit: integrals, extrema, amplitude, norm, and their derivatives."""

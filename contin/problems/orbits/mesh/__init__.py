@@ -1,0 +1,1 @@
+"""How orbits are stored on a mesh, and the mesh adapted."""

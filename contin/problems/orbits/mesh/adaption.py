@@ -1,0 +1,96 @@
+"""Mesh adaption: intervals placed so that each has the same error, and as many as the tolerance needs.
+
+The error of an interval is c h^(m + 1) |u^(m + 1)| (see `contin.kernels.collocation_mesh`), so the mesh is right where
+h is proportional to |u^(m + 1)|^(-1 / (m + 1)) (de Boor 1974; Russell and Christiansen 1978; AUTO does the same at a
+fixed number).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.kernels.collocation_basis import basis
+from contin.kernels.collocation_mesh import mesh_error
+from contin.machine import elementary
+from contin.problems.orbits.mesh.layout import Profile
+
+SMALLEST, LARGEST = 10, 400  # number of intervals
+FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
+WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leaves at most
+MARGIN = 0.4  # the mesh is laid out for this part of the tolerance
+VARYING = 1e-3  # smallest modulus of a state of one sign, relative to its largest, below which it counts while small
+RELATIVE = 1e-2  # ... and how much an error relative to its own size counts
+CLOSED = 0.1  # change of such a state over a period, relative to its size, that a guess of a closed orbit may have
+
+
+@dataclass(frozen=True, eq=False)
+class MeshChoice:
+    """Interval lengths, and the error that they are expected to leave."""
+
+    h: Array
+    error: float
+
+
+def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
+    """Largest error inside an interval relative to the states' sizes, and |u^(m + 1)| of every interval."""
+    scheme = basis(profile.m)
+    density = np.empty(profile.intervals)
+    error = mesh_error(
+        profile.vector(), profile.n, profile.m, profile.intervals, scheme.top, scheme.error, sizes, density
+    )
+    low, high = np.abs(profile.u).min(axis=0), np.abs(profile.u).max(axis=0)
+    first, last = profile.u[0], profile.u[-1]  # of a connecting orbit they differ, and do not follow one another
+    closed = np.abs(last - first) <= CLOSED * np.maximum(np.abs(first), np.abs(last))
+    small = np.flatnonzero(closed & (np.ptp(np.sign(profile.u), axis=0) == 0.0) & (low < VARYING * high))
+    if small.size:
+        density = np.maximum(density, RELATIVE * _relative_density(profile, small))
+        error = max(error, float(np.max(scheme.error * elementary.pow(profile.h, profile.m + 1) * density)))
+    return float(error), density
+
+
+def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
+    """Largest |u^(m + 1)| of these states on every interval, relative to the size that the state has there."""
+    h, m = profile.h, profile.m
+    nodes = np.arange(profile.intervals)[:, None] * m + np.arange(m + 1)
+    u = profile.u[nodes][:, :, states]  # (N, m + 1, k)
+    top = np.einsum("j,ijk->ik", basis(m).top, u) / elementary.pow(h[:, None], m)
+    jumps = 2.0 * np.abs(top - np.roll(top, 1, axis=0)) / (h + np.roll(h, 1))[:, None]
+    local = np.maximum(jumps, np.roll(jumps, -1, axis=0)) / np.abs(u).max(axis=1)
+    return np.asarray(local.max(axis=1))
+
+
+def choose_mesh(
+    profile: Profile, sizes: Array, tolerance: float, fixed: int | None, estimated: tuple[float, Array] | None = None
+) -> MeshChoice:
+    """A mesh for this orbit with the error below `tolerance`, or with `fixed` intervals.
+
+    estimated : what `estimate` says of the orbit, where it is known.
+    """
+    order = profile.m + 1
+    error, density = estimate(profile, sizes) if estimated is None else estimated
+    if not np.isfinite(error) or not density.any():
+        h = np.full(fixed or max(profile.intervals, SMALLEST), 0.0)
+        h[:] = 1.0 / len(h)
+        return MeshChoice(h, error)
+    monitor = _smoothed(elementary.pow(density, 1.0 / order), profile.h)
+    monitor = np.maximum(monitor, FLOOR * float(monitor @ profile.h))
+    total = float(monitor @ profile.h)
+    constant = basis(profile.m).error
+    needed = int(np.ceil(total * elementary.pow(constant / (MARGIN * tolerance), 1.0 / order)))
+    count = fixed or min(max(needed, SMALLEST), LARGEST)
+    cumulated = np.concatenate([[0.0], np.cumsum(monitor * profile.h)]) / total
+    mesh = np.interp(np.linspace(0.0, 1.0, count + 1), cumulated, profile.mesh)
+    return MeshChoice(np.diff(mesh), constant * elementary.pow(total / count, order))
+
+
+def _smoothed(values: Array, h: Array) -> Array:
+    """Averaged with both neighbours (periodic): the estimate is rough, and lengths should change gradually."""
+    weighted = np.concatenate([values[-1:], values, values[:1]])
+    lengths = np.concatenate([h[-1:], h, h[:1]])
+    weighted *= lengths
+    around: Array = (weighted[:-2] + 2.0 * values * h + weighted[2:]) / (lengths[:-2] + 2.0 * h + lengths[2:])
+    return np.asarray(np.maximum(around, 0.5 * values))

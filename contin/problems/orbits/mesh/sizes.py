@@ -1,0 +1,43 @@
+"""Typical sizes of the states on an orbit, in which its lengths are measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.orbits.mesh.layout import Profile
+from contin.simulate.natural import filled
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
+
+TINY_STATE: Final = 1e-6  # a state this small beside the others may be zero with rounding errors
+
+
+def state_sizes(family: FamilyOfOrbits, profile: Profile) -> Array:
+    """(n,) the largest modulus of every state, an angle's period / (2 pi).
+
+    A state that is zero, up to rounding, is taken to be as large as the coupling to the other states makes it; where
+    nothing is coupled to it, as the largest of them: a mere 1 would depend on the units.
+    """
+    largest = np.abs(profile.u).max(axis=0)
+    periods = family.state_periods
+    largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
+    small = largest <= TINY_STATE * float(largest.max())
+    if small.any():
+        usual, guessed = filled(np.where(small, 0.0, largest), _coupling(family, profile))
+        usual = np.where(guessed, largest.max() or usual, usual)
+        largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
+    return np.asarray(largest)
+
+
+def _coupling(family: FamilyOfOrbits, profile: Profile) -> Array:
+    """Mean modulus of the Jacobian along an orbit, (n, n)."""
+    n, p = profile.n, family.full_parameters(profile.vector())
+    total = np.zeros((n, n))
+    for u in profile.u[:: profile.m]:
+        _, jacobian = family.system.jacobian(u, p)
+        total += np.nan_to_num(np.abs(jacobian[:, :n]), posinf=0.0)
+    return total / len(profile.h)

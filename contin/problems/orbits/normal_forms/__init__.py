@@ -1,0 +1,1 @@
+"""Normal forms of special orbits and eigenfunctions of multipliers."""

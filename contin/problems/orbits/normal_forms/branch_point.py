@@ -1,0 +1,119 @@
+"""Branch points of orbits: which families cross there, from the equation for their tangents.
+
+With null vectors q, along which the parameter does not move, and r normal to it, and the left null vector psi, the
+families leave along x q + y r where
+
+    b20 x^2 + 2 b11 x y + a02 y^2 = 0,    b20 = psi . D^2F[q, q],  b11 = psi . D^2F[q, r],  a02 = psi . D^2F[r, r]
+
+(Keller 1977): a pitchfork where b20 = 0. `slope` = |b20 / (2 b11)| is by how much the parameter moves along the family
+that crosses: u = u0 + xi v + ..., p = p0 +- slope xi + ..., the mean of |v|^2 over the orbit being 1, in the model's
+units. Every coefficient is computed on two meshes, from two solutions of the defining system: their difference and the
+rounding of the terms are its error, and decide what is zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Verified
+from contin.machine.elementary import square
+from contin.normalforms.coefficient import Coefficient
+from contin.problems.orbits.linearised.linear import OrbitLinear, embed
+from contin.problems.orbits.normal_forms.multiple_branch_point import kernel_dimension, planes
+from contin.problems.orbits.symmetric.symmetry import halves_alike
+from contin.records import Record
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.special_orbits.defining import SolvedOrbit
+
+SETTLED: Final = 1e-13  # (scaled) error of a place, at least
+SAFETY: Final = 4.0  # the error of the parameter alone is known
+STEP: Final = 1e-3  # (scaled) for derivatives of the coefficients by the place
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """The equation of one family that crosses, in units of its largest sum of moduli.
+
+    What the error of the place makes of a coefficient is its `noise`.
+    """
+
+    b20: Coefficient
+    b11: Coefficient
+    a02: Coefficient
+    vertical: Array  # q as a direction of z, scaled
+    rate: float  # change of the parameter along r beside the mean square of q over the orbit, in the model's units
+
+
+def branch_point(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> Record:
+    """{kind, slope, errors}, {kind, breaks} where a declared symmetry decides, {} where no family is told.
+
+    breaks: the symmetry that the orbit has and the new family has not; kernel: the number of multipliers that pass 1
+    together there, where it is above 1 (see `contin.problems.orbits.normal_forms.multiple_branch_point`).
+    """
+    coarse = _crossings(problem, point, solved)
+    if not coarse:
+        return {}
+    count = kernel_dimension(problem, point.eigenvalues)
+    kernel = {"kernel": count} if count > 1 else {}
+    for each in coarse:
+        broken = halves_alike(problem, solved.z, each.vertical * solved.scale)
+        if broken:
+            return {"kind": "pitchfork", "breaks": broken[0], **kernel}
+    fine = _crossings(problem, point, solved.finer or solved)
+    if len(fine) != len(coarse):
+        return {}
+    return {**_decided(coarse[0], fine[0]), **kernel}
+
+
+def _decided(coarse: Crossing, fine: Crossing) -> Record:
+    pairs = ((coarse.b20, fine.b20), (coarse.b11, fine.b11), (coarse.a02, fine.a02))
+    (b20, e20), (b11, e11), (a02, e02) = ((one.value.real, one.error(other)) for one, other in pairs)
+    discriminant = square(b11) - a02 * b20
+    unsure = (2.0 * abs(b11) + e11) * e11 + abs(a02) * e20 + (abs(b20) + e20) * e02
+    if not abs(b11) > e11 or (abs(b20) > e20 and abs(discriminant) <= unsure):
+        return {"kind": "degenerate"}  # terms of higher order decide what crosses, or NaN
+    slope = abs(b20 / (2.0 * b11))
+    error = (e20 + 2.0 * slope * e11) / (2.0 * (abs(b11) - e11))
+    stated = {"slope": slope * coarse.rate, "errors": {"slope": error * coarse.rate}}
+    if abs(b20) <= e20:
+        return {"kind": "pitchfork", **stated}
+    return {"kind": "transcritical" if discriminant > 0.0 else "isolated", **stated}
+
+
+def _crossings(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> list[Crossing]:
+    linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
+    off = SAFETY * max(solved.error / float(solved.scale[-1]), SETTLED)
+    found = []
+    for null, left in planes(linear, point.eigenvalues):
+        along = null[-1] / np.linalg.norm(null[-1])  # the parameter is the last unknown
+        vectors = null @ np.column_stack([[-along[1], along[0]], along])
+        values, sizes = _terms(linear, left, vectors)
+        steps = [embed(linear, vector) * solved.scale * STEP for vector in vectors.T]
+        sides = [
+            [_terms(OrbitLinear(problem, z, solved.scale, z), left, vectors)[0] for z in (solved.z + s, solved.z - s)]
+            for s in steps
+        ]
+        drifts = off * sum(np.abs(ahead - behind) for ahead, behind in sides) / (2.0 * STEP)
+        unit = float(sizes.max())
+        rows = np.array([values, sizes, drifts]).T / unit
+        b20, b11, a02 = (Coefficient(float(v), float(s), signed=False, noise=float(d)) for v, s, d in rows)
+        raw = (vectors[: linear.nu, 0] * linear.units[: linear.nu]).reshape(-1, linear.profile.n)
+        size = float(np.sqrt(linear.profile.weights @ np.sum(square(raw), axis=1)))
+        rate = float(vectors[-1, 1] * linear.units[-1]) / size
+        found.append(Crossing(b20, b11, a02, embed(linear, vectors[:, 0]), abs(rate)))
+    return found
+
+
+def _terms(linear: OrbitLinear, left: Array, vectors: Array) -> tuple[Array, Array]:
+    """b20, b11 and a02, and the sums of the moduli of their terms, (3,)."""
+    second = [linear.hessian(vectors[:, k]) for k in range(2)]
+    pairs = ((0, 0), (0, 1), (1, 1))
+    values = np.array([float(left @ (second[i] @ vectors[:, j])) for i, j in pairs])
+    sizes = np.array([float(np.abs(left) @ (abs(second[i]) @ np.abs(vectors[:, j]))) for i, j in pairs])
+    return values, sizes

@@ -1,0 +1,259 @@
+"""Critical normal forms of periodic orbits (Kuznetsov, Govaerts, Doedel, Dhooge, SIAM J. Numer. Anal. 43 (2005) 1407).
+
+On the centre manifold of an orbit u0 of period T, with its phase tau and a coordinate xi, in the model's own time t,
+
+    LPC   tau' = 1 - xi + ...,       xi' = b xi^2 + ...                 forced, or without shear: tau' = 1 + ...
+    PD    tau' = 1 + a xi^2 + ...,   xi' = c xi^3 + ...
+    NS    tau' = 1 + a |xi|^2 + ..., xi' = (i theta / T) xi + d xi |xi|^2 + ...
+
+u = u0(tau) + xi v(tau) + ..., where the mean of |v|^2 over the orbit is 1 (2-norm, the model's units); for b of an
+autonomous system v is the generalised eigenfunction v' = A v + u0', whose size is given. Every coefficient follows from
+the solvability of a linear boundary-value problem, w^* right = 0 with the left null vector w of its matrix; no adjoint
+equation is solved. Cost: a few sparse factorisations, and second and third derivatives at every Gauss point.
+
+The error of a coefficient has two parts: rounding, a part of the sum of the moduli of its terms, and the change from
+the same point on a mesh of half the lengths (discretisation, and how well the point was located).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array, Vector
+from contin.continuation.problem import Verified
+from contin.kernels.collocation_basis import basis
+from contin.machine import elementary
+from contin.normalforms.coefficient import Coefficient
+from contin.normalforms.result import sense
+from contin.problems.algebraic_states import massless
+from contin.problems.orbits.linearised.bordered import Bordered, Borders, factors
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.normal_forms.branch_point import branch_point
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.special_orbits.defining import SolvedOrbit
+
+SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
+UNKNOWN: Final = (
+    "its normal form could not be computed (the error of its coefficient is as large as its terms: the multiplier is "
+    "not simple, or the orbit not resolved)"
+)
+NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
+
+Values = Vector  # of a function at the Gauss points, (N, m, n)
+
+
+def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> Verified:
+    """The point with its coefficients, their errors, and the criticality of PD and NS or the kind of BPC.
+
+    What cannot be computed is a remark.
+    """
+    try:
+        if point.type == "BPC":
+            kind = branch_point(problem, point, solved)
+            remark = "" if kind else "BPC: the families that cross there were not told apart; no kind is stated"
+            return replace(point, normal_form=kind, remark=remark)
+        coarse = coefficient(problem, point.type, solved)
+        fine = coefficient(problem, point.type, solved.finer or solved)
+    except (np.linalg.LinAlgError, ZeroDivisionError) as reason:
+        return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
+    return stated(point, coarse, coarse.error(fine))
+
+
+def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:
+    """The point with its coefficient b, c or d and the error, and the criticality of PD and NS."""
+    if not coefficient.is_known(error):
+        return replace(point, remark=f"{point.type}: {UNKNOWN}")
+    name, value = NAMES[point.type], complex(coefficient.value)
+    form: dict[str, object] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
+    if point.type != "LPC":
+        form["criticality"] = sense(value.real, error)
+    return replace(point, normal_form={**form, "errors": {name: error}})
+
+
+def coefficient(problem: OrbitProblem, type_: str, solved: SolvedOrbit) -> Coefficient:
+    """b of LPC, c of PD or d of NS."""
+    linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
+    if type_ == "LPC":
+        return fold(linear)
+    return period_doubling(linear) if type_ == "PD" else torus(linear, solved.theta)
+
+
+@dataclass(frozen=True, eq=False)
+class Variation:
+    """The equation w' = A w + g, w(T) = rho w(0), along the orbit, with its null vectors where it is singular."""
+
+    linear: OrbitLinear
+    rho: complex
+    name: str = ""
+    known: dict[str, Borders] = field(default_factory=dict)  # of equations nearby, by name; this one adds its own
+
+    @cached_property
+    def matrix(self) -> csc_matrix:
+        return self.linear.variational(self.rho)
+
+    @cached_property
+    def bordered(self) -> Bordered:
+        found = Bordered.of(self.matrix, 1, self.known.get(self.name))
+        self.known[self.name] = found.b, found.c
+        return found
+
+    @cached_property
+    def null(self) -> tuple[Vector, Vector]:
+        """Right null vector (values at the nodes, raw), and left one."""
+        v, _, w = self.bordered.solve()
+        return self.raw(v[:, 0]), w[:, 0]
+
+    def raw(self, x: Vector) -> Vector:
+        """A scaled vector as values at the nodes, (N m + 1, n)."""
+        return (x * self.linear.units[: self.linear.nu]).reshape(-1, self.linear.profile.n)
+
+    def _right(self, g: Values) -> Vector:
+        """Scaled right-hand side of the collocation equations, (nu,)."""
+        profile, sizes = self.linear.profile, self.linear.sizes
+        rows = (profile.h[:, None, None] * profile.period * g / sizes).ravel()
+        return np.concatenate([rows, np.zeros(profile.n, rows.dtype)])
+
+    def projection(self, g: Values, left: Vector | None = None) -> complex:
+        """Zero where the equation with right-hand side g has a solution; linear in g, of arbitrary scale."""
+        return complex(np.vdot(self.null[1] if left is None else left, self._right(g)))
+
+    def modulus(self, g: Values, left: Vector | None = None) -> float:
+        """Sum of the moduli of the terms of `projection`."""
+        return float(np.abs(self.null[1] if left is None else left) @ np.abs(self._right(g)))
+
+    def solve(self, g: Values, singular: bool) -> Vector:
+        """A solution at the nodes."""
+        right = self._right(g)
+        if singular:
+            return self.raw(np.asarray(self.bordered.factors.solve(np.append(right, 0.0)))[:-1])
+        matrix = self.matrix.astype(complex) if np.iscomplexobj(right) else self.matrix
+        return self.raw(factors(matrix).solve(right))
+
+
+@dataclass(frozen=True, eq=False)
+class Forms:
+    """A, B and C of the equations at the Gauss points of an orbit."""
+
+    linear: OrbitLinear
+
+    @cached_property
+    def states(self) -> Array:
+        return np.moveaxis(self.linear._points.at, -1, 0)
+
+    @cached_property
+    def field(self) -> Array:
+        return np.moveaxis(self.linear._points.f, -1, 0)
+
+    def values(self, w: Vector) -> Values:
+        """A function at the nodes, at the Gauss points."""
+        profile = self.linear.profile
+        nodes = np.arange(profile.intervals)[:, None] * profile.m + np.arange(profile.m + 1)
+        return np.asarray(np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes]))
+
+    def first(self, w: Values) -> Values:
+        return np.asarray(np.einsum("icka,ica->ick", self.linear.state_derivatives, w))
+
+    def apply(self, *functions: Values) -> Values:
+        """D^k f [w_1, ..., w_k]."""
+        problem, profile = self.linear.problem, self.linear.profile
+        shape, size = self.states.shape, problem.system.p_size
+        rows = shape[0] * shape[1]
+        p = np.tile(problem.full_parameters(self.linear.z), (rows, 1))
+        if not problem.autonomous:
+            p[:, -1] = profile.period * self.linear._times.ravel()
+        directions = [np.concatenate([w.reshape(rows, -1), np.zeros((rows, size))], axis=1) for w in functions]
+        found = problem.system.derivatives(self.states.reshape(rows, -1), p, *directions)
+        return np.asarray(found).reshape(shape)
+
+
+def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
+    """Mean square 1 over the orbit, of the states with mass."""
+    moving = w[:, ~massless(linear.problem.system)]
+    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(moving)), axis=1)))
+
+
+def fold(linear: OrbitLinear) -> Coefficient:
+    """b = <p, B(v, v) / 2 + A v> / <p, v> with v' = A v + u0'; b = <p, B(v, v)> / (2 <p, v>) with v' = A v where the
+    period does not change across the fold, or is forced.
+    """
+    forms, periodic = Forms(linear), Variation(linear, 1.0)
+    if not linear.problem.autonomous:
+        return _without_drift(periodic, forms, _normalised(linear, periodic.null[0]), periodic.null[1])
+    two = Bordered.of(periodic.matrix, 2)
+    right, _, left = two.solve()
+    kernel = np.linalg.qr(right)[0]
+    if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
+        v = forms.values(periodic.solve(forms.field, singular=True))
+        return _projected(periodic, v, [0.5 * forms.apply(v, v), forms.first(v)])
+    along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
+    p = along[1] * left[:, 0] - along[0] * left[:, 1]
+    field = linear.field.ravel() / linear.units[: linear.nu]
+    parts = kernel.T @ field
+    q = kernel @ np.array([parts[1], -parts[0]])
+    return _without_drift(periodic, forms, _normalised(linear, periodic.raw(q)), p)
+
+
+def _without_drift(periodic: Variation, forms: Forms, w: Vector, p: Vector) -> Coefficient:
+    v = forms.values(w)
+    return replace(_projected(periodic, v, [0.5 * forms.apply(v, v)], p), signed=False)
+
+
+def period_doubling(linear: OrbitLinear, known: dict[str, Borders] | None = None) -> Coefficient:
+    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>).
+
+    known : borders of the equations, by their names, from an orbit nearby; those of this one take their place.
+    """
+    known = {} if known is None else known
+    forms, periodic = Forms(linear), Variation(linear, 1.0, "periodic", known)
+    antiperiodic = Variation(linear, -1.0, "critical", known)
+    v = forms.values(_normalised(linear, antiperiodic.null[0]))
+    second = forms.apply(v, v)
+    a, h2 = _second_order(forms, periodic, second, factor=0.5)
+    terms = [forms.apply(v, v, v) / 6.0, 0.5 * forms.apply(v, h2), -a * forms.first(v)]
+    return _projected(antiperiodic, v, terms)
+
+
+def torus(linear: OrbitLinear, theta: float, known: dict[str, Borders] | None = None) -> Coefficient:
+    """d = <p, C(v, v, v') + 2 B(h11, v) + B(h20, v') - 2 a A v> / (2 <p, v>) + i a theta / T (v' the conjugate).
+
+    Functions stand for w = v exp(i theta tau / T), which solve the variational equation with w(T) = exp(i theta) w(0).
+    known : as of `period_doubling`.
+    """
+    known = {} if known is None else known
+    forms, periodic = Forms(linear), Variation(linear, 1.0, "periodic", known)
+    turning = Variation(linear, complex(elementary.exp(1j * theta)), "critical", known)
+    v = forms.values(_normalised(linear, turning.null[0]))
+    a, h11 = _second_order(forms, periodic, forms.apply(v, v.conj()).real, factor=1.0)
+    twice = Variation(linear, complex(elementary.exp(2j * theta)))
+    h20 = forms.values(twice.solve(forms.apply(v, v), singular=False))
+    terms = [
+        0.5 * forms.apply(v, v, v.conj()), forms.apply(h11, v), 0.5 * forms.apply(h20, v.conj()), -a * forms.first(v),
+    ]  # fmt: skip
+    d = _projected(turning, v, terms)
+    return replace(d, value=d.value + 1j * a * theta / linear.profile.period)
+
+
+def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -> tuple[float, Values]:
+    """a = factor <p, g> / <p, u0'> and the periodic h with h' = A h + g - (a / factor) u0'; forced: a = 0."""
+    if not forms.linear.problem.autonomous:
+        return 0.0, forms.values(periodic.solve(g, singular=False))
+    a = float((periodic.projection(g) / periodic.projection(forms.field)).real)
+    return factor * a, forms.values(periodic.solve(g - a * forms.field, singular=True))
+
+
+def _projected(critical: Variation, v: Values, terms: list[Values], left: Vector | None = None) -> Coefficient:
+    """Sum of the terms' projections in units of v's.
+
+    The moduli are those of the integrands, so that a projection which vanishes by symmetry has a size, too.
+    """
+    unit = critical.projection(v, left)
+    parts = [critical.projection(g, left) / unit for g in terms]
+    return Coefficient(complex(sum(parts)), float(sum(critical.modulus(g, left) for g in terms) / abs(unit)))

@@ -1,0 +1,72 @@
+"""Special orbits of a family in one parameter: a curve in two whose second one is held.
+
+The equations of `contin.kernels.special_orbits` with the family's parameter in both places, and s alone in the frame:
+the direction r, along which curves go on, is left out, and Newton's step is a combination of the other solutions.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Failure
+from contin.machine import elementary
+from contin.problems.orbits.special_orbits import borders
+from contin.problems.orbits.special_orbits.curve import OrbitCurve
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+
+
+@dataclass(frozen=True, eq=False)
+class HeldCurve(OrbitCurve):
+    """`second` is the first parameter. z is that of a curve: (u, T, h, [further unknown], p, p)."""
+
+    @classmethod
+    def of(cls, type_: str, orbits: OrbitProblem) -> HeldCurve:
+        """The special orbits of a type in a family."""
+        return cls(type_, orbits, orbits.active)
+
+    def settle(self, z: Array, scale: Array) -> None:
+        """Borders that fit at z; s stays the parameter."""
+        work = self._work(z, scale)
+        if not work.frame.across.any():
+            borders.begin(work.frame, scale[[-1, -2]])
+        for _ in range(2):
+            self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
+            with suppress(np.linalg.LinAlgError):  # the borders before serve; the step tells where they do not
+                borders.set_borders(self.type, work, self._units(z, scale), self.further(z))
+
+    def step(self, z: Array, scale: Array) -> tuple[Array, float] | None:
+        """Newton's step from z (scaled), and how far the bordered scalars are from zero; None where it is not defined.
+
+        Cost: one condensation of the intervals, and second derivatives at every Gauss point.
+        """
+        if isinstance(self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf), Failure):
+            return None
+        memory, size = self._work(z, scale).memory, 1 + self.extra
+        kept = slice(2, 2 + size)
+        try:
+            parts = np.linalg.solve(memory.dG[:size, kept], -(memory.G[:size] + memory.dG[:size, 0]))
+        except np.linalg.LinAlgError:  # no step: Newton ends, in words
+            return None
+        step = memory.changes[0] + parts @ memory.changes[kept]
+        step[-2] = step[-1]
+        return step, float(np.max(np.abs(memory.G[:size])))
+
+    def null_vectors(self, z: Array, scale: Array) -> Any:
+        """(nu, 1) of PD and NS, (nu + 1, 1) of LPC, (nu + 2, 2) of BPC: what is singular at z, the place of the last
+        step, sends to zero; in scaled (u, T, p)."""
+        memory, nodes = self._work(z, scale).memory, self.nodes(z)
+        units = np.append(scale[: nodes + 1], 1.0)
+        if self.type == "PD":
+            return (memory.v[:1, :nodes] / units[:nodes]).T
+        if self.type == "NS":  # v(2) - 2 k v(1) + v(0) = 0 has the factors v(1) - exp(+-i theta) v(0)
+            turned = memory.v[1, :nodes] - elementary.exp(-1j * self.theta(z)) * memory.v[0, :nodes]
+            return (turned / units[:nodes])[:, None]
+        count = nodes + (1 if self.type == "LPC" else 2)
+        return (memory.y[2 : 3 + self.extra, :count] / units[:count]).T

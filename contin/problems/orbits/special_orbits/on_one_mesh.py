@@ -1,0 +1,65 @@
+"""What a curve of special orbits keeps for one mesh: the kernel's memory, the frame, and the sense of its normals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.kernels.collocation_march import new_memory
+from contin.kernels.special_orbits.memory import Frame, new_curve_memory
+from contin.problems.orbits.mesh.layout import Profile
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.collocated_orbits import OrbitProblem
+
+KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
+
+
+@dataclass(eq=False)
+class Normals:
+    """Unit normals of a curve of folds in the plane of the parameters, at the points where they are known."""
+
+    rows: Array = field(default_factory=lambda: np.empty((0, 5)))  # place (3), normal (2)
+    count: int = 0
+
+    def room_for(self, more: int) -> Array:
+        """The rows, of which at least `more` are free."""
+        if len(self.rows) < self.count + more:
+            self.rows = np.concatenate([self.rows, np.empty((self.count + 2 * more, 5))])
+        return self.rows
+
+
+@dataclass(eq=False)
+class Work:
+    """Memory of the kernel for one mesh, and the frame that the curve's equations are written in."""
+
+    mesh: Array
+    points: Any
+    factors: Any
+    scratch: Any
+    memory: Any
+    frame: Any
+    weights: Array  # of differences between the neighbours of the inner nodes, repeated for every state
+    normals: Normals
+    settled: bool = False
+
+    @property
+    def nodes(self) -> int:
+        """Number of node values, the place of the period in z."""
+        return int(self.memory.y.shape[1]) - 3
+
+    @classmethod
+    def of(cls, type_: str, orbits: OrbitProblem, p: Array, mesh: Array, normals: Normals) -> Work:
+        """Memory for curves of a type; `orbits` is the problem of the orbits, p all parameters."""
+        n, m, count = orbits.n, orbits.points, len(mesh)
+        free = n - 1 if orbits.autonomous else n
+        size = (count * m + 1) * n + count + 2
+        points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
+        memory = new_curve_memory(KINDS[type_], n, m, free, count, p.size)  # type: ignore[no-untyped-call]
+        frame = Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
+        times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
+        weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)
+        return cls(mesh, points, factors, scratch, memory, frame, weights, normals)

@@ -1,0 +1,1 @@
+"""Declared symmetries acting on orbits."""

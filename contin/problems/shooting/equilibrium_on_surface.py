@@ -1,0 +1,84 @@
+"""The equilibrium on a switching surface on which a family of piecewise-smooth orbits closes.
+
+It has no linear part of its own, so no Hopf point is solved for: the parameter, the period and the equilibrium are
+extrapolated to amplitude zero from orbits of small amplitude e, with errors of the order e^6 in the parameter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.machine import elementary
+from contin.problems.shooting.layout import Nodes
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.shot_orbits import ShootingProblem
+
+TINY: Final = 0.02  # amplitude, relative to the states' sizes, of an orbit that has shrunk
+LARGER: Final = (1.0, 1.5, 2.0, 2.5)  # amplitudes of the orbits that are extrapolated from
+AT_REST: Final = 0.05  # speed at the equilibrium, relative to that of the smallest orbit
+
+
+def has_shrunk(problem: ShootingProblem, z: Array, scale: Array) -> bool:
+    """True for an orbit so small that its family passes through amplitude zero here."""
+    return bool(problem.system.n_switches and problem.autonomous and _extent(problem, z, scale) < TINY)
+
+
+def at_rest(problem: ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+    """The end of a family at amplitude zero; None where it does not close on an equilibrium."""
+    if not has_shrunk(problem, origin.z, frame.scale):
+        return None
+    extent = _extent(problem, origin.z, frame.scale)
+    away = 1.0 if _extent_ahead(problem, origin, frame, 0.2 * extent) > extent else -1.0
+    rows = [origin.z]
+    for factor in LARGER[1:]:
+        s = away * (factor - 1.0) * extent
+        raw = np.where(origin.tangent == 0.0, 0.0, origin.tangent * frame.scale)
+        found = problem.probe(origin, s, origin.z + s * raw, frame, Settings())
+        if found is None:
+            return None
+        rows.append(found.z)
+    profiles = [problem.profile(z) for z in rows]
+    squares = np.array([elementary.square(_extent(problem, z, frame.scale)) for z in rows])
+    if not np.all(np.diff(squares) > 0.0):
+        return None
+    values = np.array([[p.parameter, p.period, *(p.weights @ p.u)] for p in profiles])
+    limits = [np.polynomial.polynomial.polyfit(squares[:k], values[:k], k - 1)[0] for k in (3, 4)]
+    parameter, period, rest = float(limits[1][0]), float(limits[1][1]), limits[1][2:]
+    p = problem.full_parameters(np.append(origin.z[:-1], parameter))
+    speed = np.abs(problem.system.value(rest, p)).max()
+    if not speed < AT_REST * np.abs(np.ptp(profiles[0].u, axis=0)).max() * 2.0 * np.pi / period:
+        return None
+    error = 4.0 * abs(parameter - float(limits[0][0]))
+    name = problem.parameters[0]
+    rounded = np.round(rest, 9) + 0.0
+    where = ", ".join(f"{s} = {v:.6g}" for s, v in zip(problem.system.state_names, rounded, strict=True))
+    text = (
+        f"the orbits shrink to the equilibrium ({where}) on a switching surface at {name} = {parameter:.10g}, "
+        f"period {period:.10g}"
+    )
+    nodes = Nodes.of(origin.z, problem.n)
+    z = replace(
+        nodes, u=np.tile(rest, (nodes.count, 1)), period=period, offset=float(nodes.normal @ rest), parameter=parameter
+    ).vector()
+    last = replace(origin, z=z)
+    return Renewal(
+        frame.scale, origin, before, None, End("hopf", text, {"at": {name: parameter}, "error": error}), last, None
+    )
+
+
+def _extent(problem: ShootingProblem, z: Array, scale: Array) -> float:
+    return float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, scale)))
+
+
+def _extent_ahead(problem: ShootingProblem, origin: Sample, frame: Frame, s: float) -> float:
+    raw = np.where(origin.tangent == 0.0, 0.0, origin.tangent * frame.scale)
+    found = problem.probe(origin, s, origin.z + s * raw, frame, Settings())
+    return np.inf if found is None else _extent(problem, found.z, frame.scale)

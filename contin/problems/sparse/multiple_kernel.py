@@ -1,0 +1,193 @@
+"""Branch points of large systems whose kernel has dimension k > 1, from bordered solves alone.
+
+As in `contin.problems.sparse.reduced_equation`, with k columns: near z0 the solutions of F(z) = 0 are the zeros of
+mu(a) in R^k, a in R^(k + 1): F(z) + B mu = 0, C^T (z - z0) = a. At the point mu and all its first derivatives vanish:
+more equations than unknowns, which agree where all k eigenvalues vanish at one place. Gauss and Newton's method finds
+it; what is left over says whether there is such a place. The branches are those of the reduced equation D^2 mu, D^3
+mu.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, Self
+
+import numpy as np
+
+from contin.abi import Array, Vector
+from contin.errors import NotFiniteError
+from contin.linalg.bordered import Solver
+from contin.linalg.vectors import norm
+from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.multiple import multiple_directions
+from contin.normalforms.reduction import Reduction
+from contin.problems.sparse.reduced_equation import settled
+
+if TYPE_CHECKING:
+    from contin.problems.sparse.equations import SparseEquations
+
+STEPS: Final = 12
+CONSISTENT: Final = 1e-6  # what may be left of mu and its slopes, beside the second derivatives
+
+
+class Assembled:
+    """A sparse matrix with its borders as one, factored: regular where the matrix has a kernel of any dimension."""
+
+    def __init__(self, matrix: object, columns: Vector, rows: Vector, corner: Vector) -> None:
+        from scipy.sparse import bmat, csc_matrix
+        from scipy.sparse.linalg import splu
+
+        whole = bmat([[matrix, csc_matrix(columns)], [csc_matrix(rows.T), csc_matrix(corner)]], format="csc")
+        self._factors = splu(whole)
+
+    def solve(self, right: Vector) -> Vector:
+        return np.asarray(self._factors.solve(right))
+
+    def solve_transposed(self, right: Vector) -> Vector:
+        return np.asarray(self._factors.solve(right, "T"))
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """The reduction around `origin` (raw unknowns (n + 1,)) with border rows C (n + 1, k + 1) and columns B (n, k)."""
+
+    problem: SparseEquations
+    origin: Array
+    rows: Array
+    columns: Array
+
+    @classmethod
+    def of(cls, problem: SparseEquations, z: Array, vectors: Array, tangent: Array, scale: Array) -> Self:
+        """vectors : (n, k) of the kernel, raw.  tangent : (n + 1,) of the branch, scaled."""
+        k = vectors.shape[1]
+        nulls = np.linalg.qr(np.vstack([vectors / scale[:-1, None], np.zeros((1, k))]))[0]
+        other = tangent - nulls @ (nulls.T @ tangent)
+        if norm(other) < 1e-6:
+            other = np.append(np.zeros(len(z) - 1), 1.0)
+        other = other / norm(other)
+        return cls(problem, z, np.column_stack([nulls, other]) / scale[:, None], nulls[:-1] * scale[:-1, None])
+
+    @property
+    def k(self) -> int:
+        return int(self.columns.shape[1])
+
+    def solver(self, z: Array) -> Solver:
+        """K = [F_u B F_p; C^T] at z, its unknowns in the order (state, mu, parameter)."""
+        linear = self.problem.linear(z) if np.all(np.isfinite(z)) else None
+        if linear is None:
+            raise NotFiniteError("the Jacobian is not finite near this point")
+        columns = np.column_stack([self.columns, self.problem.parameter_slope(z)])
+        corner = np.column_stack([np.zeros((self.k + 1, self.k)), self.rows[-1]])
+        if linear.matrix is not None:
+            return Assembled(linear.matrix, columns, self.rows[:-1], corner)
+        return linear.bordered(columns, self.rows[:-1], corner)  # type: ignore[return-value]
+
+    def solve(self, solver: Solver, f: Array, g: Array) -> tuple[Array, Array]:
+        """(z part (n + 1,), mu part (k,)) of K^-1 (f, g)."""
+        x = np.real(solver.solve(np.concatenate([f, g])))
+        n = len(self.origin) - 1
+        return np.append(x[:n], x[-1]), x[n:-1]
+
+    def onto(self, z: Array, mu: Array, a: Array) -> tuple[Array, Array]:
+        """The point with C^T (z - origin) = a and F + B mu = 0, by Newton from (z, mu)."""
+        def correction(z: Array, mu: Array) -> tuple[Array, Array]:
+            f = self.problem.residual(z) + self.columns @ mu
+            return self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
+
+        return settled(correction, z, mu)
+
+    def slopes(self, z: Array) -> tuple[Solver, Array, Array]:
+        """The solver at z, z_i as rows (k + 1, n + 1), and mu_i as columns (k, k + 1)."""
+        solver = self.solver(z)
+        zero = np.zeros(len(z) - 1)
+        pairs = [self.solve(solver, zero, e) for e in np.eye(self.k + 1)]
+        return solver, np.array([v for v, _ in pairs]), np.column_stack([m for _, m in pairs])
+
+    def curvatures(self, z: Array, solver: Solver, along: Array) -> tuple[Array, Array]:
+        """mu_ij (k, k + 1, k + 1) and z_ij (k + 1, k + 1, n + 1)."""
+        size = self.k + 1
+        mu, bent = np.empty((self.k, size, size)), np.empty((size, size, len(z)))
+        for i in range(size):
+            for j in range(i + 1):
+                dz, dmu = self.solve(solver, -self.problem.form(z, along[i], along[j]), np.zeros(size))
+                mu[:, i, j] = mu[:, j, i] = dmu
+                bent[i, j] = bent[j, i] = dz
+        return mu, bent
+
+    def point(self) -> tuple[Array, float] | None:
+        """The branch point and what is left of its equations, beside the second derivatives; None without one."""
+        z, mu, a = self.origin, np.zeros(self.k), np.zeros(self.k + 1)
+        before, left = np.inf, np.inf
+        for _ in range(STEPS):
+            z, mu = self.onto(z, mu, a)
+            solver, along, slopes = self.slopes(z)
+            second, _ = self.curvatures(z, solver, along)
+            size = float(np.abs(second).max())
+            if not (np.isfinite(size) and size > 0.0):
+                return None
+            wrong = np.concatenate([mu, slopes.ravel()])
+            left = float(np.abs(wrong).max()) / size
+            step = np.linalg.lstsq(np.vstack([slopes, second.reshape(-1, self.k + 1)]), -wrong)[0]
+            length = float(np.linalg.norm(step))
+            if not np.isfinite(length) or length > 1.0:
+                return None
+            if length >= 0.5 * before and length < 1e-7:
+                break
+            if length > 2.0 * before:
+                return None
+            a = a + step
+            before = length
+        return (z, left) if left < CONSISTENT else None
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedJet:
+    """mu up to third order at a branch point, as a jet in (x, s): what normal forms of small systems take."""
+
+    kernel: Kernel
+    z: Array
+
+    @cached_property
+    def _at(self) -> tuple[Solver, Array, Array, Array]:
+        solver, along, _ = self.kernel.slopes(self.z)
+        mu, bent = self.kernel.curvatures(self.z, solver, along)
+        return solver, along, mu, bent
+
+    def form(self, directions: tuple[Array, ...]) -> Array:
+        """-D^j mu[d1, ..., dj], (k,), d in R^(k + 1): the sign is that of F."""
+        solver, along, mu, bent = self._at
+        if len(directions) == 1:
+            return np.zeros(self.kernel.k)
+        if len(directions) == 2:
+            return np.asarray(-np.einsum("kij,i,j->k", mu, *directions))
+        a, b, c = directions
+        lifted = [d @ along for d in directions]
+        form = self.kernel.problem.form
+        total = form(self.z, *lifted)
+        for one, (d, e) in zip(lifted, ((b, c), (a, c), (a, b)), strict=True):
+            total = total + form(self.z, one, np.einsum("i,j,ijn->n", d, e, bent))
+        _, mu_abc = self.kernel.solve(solver, -total, np.zeros(self.kernel.k + 1))
+        return np.asarray(-mu_abc)
+
+    @cached_property
+    def reduction(self) -> Reduction:
+        """As `contin.normalforms.reduction` makes it of a small system, in coordinates in which the kernel is all."""
+        k, unit = self.kernel.k, np.eye(self.kernel.k + 1)
+        jet = DerivativeJet(np.zeros((k, k)), self.form, 1, "flow", np.ones(k))
+        size = range(k + 1)
+        second = np.array([[jet.form(unit[i], unit[j]) for j in size] for i in size])
+        third = np.array([[[jet.form(unit[i], unit[j], unit[m]) for m in size] for j in size] for i in size])
+        return Reduction(
+            jet, np.eye(k), np.eye(k), np.zeros(k), np.zeros(k), unit, np.moveaxis(second, -1, 0),
+            np.zeros((k + 1, k + 1, k)), np.moveaxis(third, -1, 0),
+        )  # fmt: skip
+
+    def branches(self) -> list[tuple[Array, Array]]:
+        """z' and z'' (raw) of all branches through the point."""
+        _, along, _, bent = self._at
+        found = []
+        for d in multiple_directions(self.reduction):
+            t = d.tangent
+            found.append((t @ along, 2.0 * d.curvature @ along + np.einsum("i,j,ijn->n", t, t, bent)))
+        return found

@@ -1,0 +1,370 @@
+"""Special points of large systems: what a change means, location to full precision along the curve, switching.
+
+A fold is a zero of dp/ds, a Hopf point one of the real part of an eigenvalue: smooth functions of the arclength, whose
+zeros the secant method finds to rounding. A branch point, where the curve is not unique, is found on the reduced
+equation. Errors are the scatter of results from points perturbed by 1e-9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array, Vector
+from contin.continuation import march as python_march
+from contin.continuation.problem import Failure, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.errors import InputError, NotFiniteError
+from contin.linalg.copies import kernel, rounding_of
+from contin.linalg.linear import Linear
+from contin.linalg.vectors import norm
+from contin.normalforms.directions import any_branch_point
+from contin.problems.sparse import forms
+from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
+from contin.problems.sparse.reduced_equation import Reduced
+
+if TYPE_CHECKING:
+    from contin.problems.sparse.equations import CorrectedEquations
+    from contin.problems.sparse.large_equilibrium import LargeProblem
+
+SECANT_BUDGET = 10
+TRIAL = 1e-4  # first step of the secant method (scaled arclength)
+PERTURBATION = 1e-9
+ACCURACY = 1e-13  # of the last Newton correction (or where rounding stops it)
+SAMPLES = 2
+RESIDUAL_LIMIT = 1e-7
+CRITICAL = 1e-5
+VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
+EPSILON = float(np.finfo(float).eps)
+
+
+def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:
+    """[pairs, 1] and the number of unstable eigenvalues; `pairs` changes sign when a complex pair crosses."""
+    largest = float(np.abs(values).max(initial=1e-300))
+    unstable = int(np.sum(values.real > 1e-13 * largest))
+    pairs = values[values.imag > 0.0]
+    if not pairs.size:
+        return np.ones(2), unstable
+    size = float(np.min(np.abs(pairs.real) / np.abs(pairs)))
+    sign = -1.0 if int(np.sum(pairs.real > 0.0)) % 2 else 1.0
+    return np.array([sign * size, 1.0]), unstable
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Event types that account for the change of the unstable count and of the signs of the tests; None: more than one.
+
+    The determinant changes sign with the parity of the count, except at folds; without factors it is silent.
+    """
+    fold, determinant, pairs, _ = (bool(x) for x in a.tests * b.tests < 0.0)
+    moved = abs(b.unstable - a.unstable)
+    odd = moved % 2 == 1
+    seen = determinant if a.tests[1] > 0.0 or b.tests[1] < 0.0 or determinant else odd != fold
+    if moved == 0 and not fold and not determinant:
+        return ()
+    if moved == 1 and fold and not determinant:
+        return ("LP",)
+    if moved <= 1 and (odd != fold) and (seen or not determinant):
+        return ("BP",)
+    return ("HB",) if moved == 2 and pairs and not fold and not determinant else None
+
+
+def verify(problem: LargeProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The point of this type near a sample, to full precision."""
+    if type_ == "BP":
+        return _branch_point(problem, near, frame)
+    return _fold(problem, near, frame) if type_ == "LP" else _hopf(problem, near, frame)
+
+
+def verify_compound(problem: LargeProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
+    """What can be told apart of several events at one place."""
+    found: list[Outcome] = []
+    if a.tests[0] * b.tests[0] < 0.0:
+        found.append(_fold(problem, a, frame))
+    elif abs(a.unstable - b.unstable) > 1 and a.tests[2] * b.tests[2] > 0.0:
+        found.append(_multiple(problem, a, frame, abs(a.unstable - b.unstable)))
+    elif (a.unstable - b.unstable) % 2:
+        found.append(_branch_point(problem, a, frame))
+    if np.any((a.eigenvalues.imag > 0) & (np.abs(a.eigenvalues.real) < CRITICAL * np.abs(a.eigenvalues))):
+        found.append(_hopf(problem, a, frame))
+    return found
+
+
+# along the curve ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class At:
+    """The point of the curve at a length from a base: z, its unit tangent (scaled), the scaled residual."""
+
+    z: Array
+    tangent: Array
+    residual: float
+
+
+def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
+    """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
+    y = (guess - base.z) / frame.scale
+    found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
+    if isinstance(found, Failure):
+        return None
+    t = found.last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
+    residual = problem.residual(found.z) / frame.scale[:-1]
+    return At(found.z, t / norm(t), float(np.max(np.abs(residual))))
+
+
+Measure = Callable[[At], float]
+
+
+def secant(
+    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure
+) -> tuple[At, float, float, float] | None:
+    """The zero of `measure` near base.
+
+    Returns the point, the value left, the estimated error of the parameter, and the slope of `measure` in the parameter
+    (infinite where the parameter does not change).
+    """
+
+    def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
+        guess = base.z + s * frame.scale * base.tangent if near is None else near.z
+        at = point_at(problem, base, s, guess, frame)
+        return None if at is None else (at, measure(at))
+
+    first = evaluate(0.0, None)
+    second = evaluate(TRIAL, None)
+    if first is None or second is None:
+        return None
+    (s0, v0), (s1, at, v1) = (0.0, first[1]), (TRIAL, *second)
+    if abs(v0) < abs(v1):
+        s0, v0, s1, at, v1 = TRIAL, v1, 0.0, *first
+    slope, last = 0.0, np.inf
+    for _ in range(SECANT_BUDGET):
+        if v1 == v0:
+            break
+        slope = (v1 - v0) / (s1 - s0)
+        step = -v1 / slope
+        if not np.isfinite(step) or abs(step) > 0.3 or (abs(step) >= 0.5 * last and last < 1e-6):
+            break
+        found = evaluate(s1 + step, at)
+        if found is None:
+            return None
+        s0, v0 = s1, v1
+        s1 += step
+        at, v1 = found
+        last = abs(step)
+        if last < 1e-13:
+            break
+    if not last < 1e-4:
+        return None
+    rate = float(at.tangent[-1]) * float(frame.scale[-1])
+    by_parameter = slope / rate if rate != 0.0 else np.inf
+    return at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope), by_parameter
+
+
+def _scatter(
+    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float,
+    slope: float,
+) -> float:  # fmt: skip
+    """Error of the parameter from the same evaluation at perturbed points."""
+    generator = np.random.default_rng(2)
+    worst = 0.0
+    rate = float(at.tangent[-1])
+    for _ in range(SAMPLES):
+        shift = PERTURBATION * generator.uniform(-1.0, 1.0)
+        other = point_at(problem, base, s + shift, at.z, frame)
+        if other is None:
+            return np.inf
+        moved = (other.z[-1] - at.z[-1]) / frame.scale[-1] - shift * 0.5 * (rate + float(other.tangent[-1]))
+        off = (measure(other) - value) / slope - shift if slope != 0.0 else 0.0
+        worst = max(worst, abs(moved) + abs(off * rate))
+    return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))
+
+
+# folds and Hopf points ------------------------------------------------------------------------------------------------
+
+
+def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
+    found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
+    if found is None:
+        return unverified("LP", "the parameter does not turn at one point of the curve")
+    at, left, error, _ = found
+    values = problem.spectrum(at.z).values
+    others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
+    q = at.tangent[:-1] * frame.scale[:-1]
+    form = forms.fold(problem, at.z, q)
+    error += 3.0 * forms.rounding_of_fold(problem, at.z, q)
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
+        return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
+    return Verified("LP", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form)
+
+
+def linear_at(problem: LargeProblem, z: Array) -> Linear:
+    """F_u at a point of the curve, where it is finite."""
+    linear = problem.linear(z)
+    assert linear is not None
+    return linear
+
+
+def _floor(problem: LargeProblem, z: Array, frame: Frame) -> float:
+    """The residual that rounding leaves (scaled): it grows with the size of the Jacobian's entries."""
+    size = float(np.max(linear_at(problem, z).magnitude(np.ones(problem.n))))
+    return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
+
+
+def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
+    """Newton on A q = l q, c^H q = 1 (c = the start, normalised): one factorisation of A - l an iteration."""
+    q = q / norm(q)
+    c = q.conj()
+    last = np.inf
+    for _ in range(6):
+        solver = linear.shifted(value).bordered(-q[:, None], c[:, None], np.zeros((1, 1)))
+        right = np.append(-(linear.apply(q) - value * q), 1.0 - c @ q)
+        step = solver.solve(right.astype(complex))
+        size = abs(complex(step[-1])) / max(abs(value), 1e-300)
+        if not np.isfinite(size) or (size >= 0.5 * last and size < 1e-6):
+            break
+        value, q = value + complex(step[-1]), q + step[:-1]
+        last = size
+        if size < 1e-14:
+            break
+    return value, q
+
+
+def _hopf(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
+    spectrum = problem.spectrum(near.z)
+    pairs = np.flatnonzero(spectrum.values.imag > 0.0)
+    if not pairs.size:
+        return Rejected("HB: the two eigenvalues that cross are real")
+    k = pairs[int(np.argmin(np.abs(spectrum.values[pairs].real) / np.abs(spectrum.values[pairs])))]
+    value, q = complex(spectrum.values[k]), spectrum.vectors[:, k]
+    frequency = abs(value.imag)
+
+    def growth(at: At) -> float:
+        nonlocal value, q
+        value, q = refine(linear_at(problem, at.z), value, q)
+        return value.real / frequency
+
+    found = secant(problem, near, frame, growth)
+    if found is None:
+        return unverified("HB", "the real part of the eigenvalue has no zero nearby")
+    at, left, error, slope = found
+    omega = abs(value.imag)
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame) or abs(omega - frequency) > 0.3 * frequency:
+        return unverified("HB", f"its defining system has no solution nearby (residual {residual:.1e})")
+    q = q if value.imag > 0 else np.conj(q)
+    values = problem.spectrum(at.z).values
+    critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
+    others = np.delete(values, critical)
+    form = forms.hopf(problem, at.z, q, omega)
+    error += 3.0 * forms.rounding(linear_at(problem, at.z), 1j * omega, q) / frequency / abs(slope)
+    unstable = int(np.sum(others.real > 0.0))
+    return Verified("HB", at.z, residual, float(error), values, unstable, form, {"omega": omega, "q": q})
+
+
+# branch points --------------------------------------------------------------------------------------------------------
+
+
+def reduction(problem: LargeProblem, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
+    """The reduced equation at z, bordered by the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
+    spectrum = problem.spectrum(z)
+    q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
+    null = np.append(q, 0.0) / scale
+    null /= norm(null)
+    other = tangent - (tangent @ null) * null
+    if norm(other) < 1e-6:  # the branch leaves along the eigenvector itself
+        other = np.append(np.zeros(problem.n), 1.0)
+    other /= norm(other)
+    rows = np.column_stack([null, other]) / scale[:, None]
+    size = scale[:-1] / norm(null[:-1])
+    return Reduced(problem, rows, null[:-1] * size), q
+
+
+def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
+    reduced, _ = reduction(problem, near.z, near.tangent, frame.scale)
+    found = reduced.branch_point(near.z)
+    if found is None:
+        return unverified("BP", "Newton on the reduced equation did not converge")
+    z, mu, _ = found
+    residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(mu))
+    if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
+        return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
+    generator = np.random.default_rng(3)
+    scatter = 0.0
+    for _ in range(SAMPLES):
+        shifted = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
+        again = reduced.branch_point(shifted)
+        scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
+    spectrum = problem.spectrum(z, at_zero=True)
+    together = _vanishing(problem, z, spectrum.values)
+    if together > 1:  # rounding has split them, and some seem to cross next to the others
+        whole = _multiple(problem, replace(near, z=z), frame, together)
+        if isinstance(whole, Verified):
+            return whole
+    k = int(np.argmin(np.abs(spectrum.values)))
+    others = np.delete(spectrum.values, k)
+    form = forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
+    error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
+    unstable = int(np.sum(others.real > 0.0))
+    return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
+
+
+def _vanishing(problem: LargeProblem, z: Array, values: NDArray[np.complex128]) -> int:
+    """How many real eigenvalues are zero to rounding."""
+    limit = VANISHING * rounding_of(linear_at(problem, z), problem.n)
+    return int(np.sum((np.abs(values) <= limit) & (values.imag == 0.0)))
+
+
+def kernel_at(problem: LargeProblem, z: Array, tangent: Array, scale: Array, k: int) -> Kernel:
+    """The reduction bordered by the k eigenvectors to the eigenvalues nearest to zero.  tangent : scaled."""
+    spectrum = problem.spectrum(z, at_zero=True)
+    nearest = np.argsort(np.abs(spectrum.values))[:k]
+    if len(nearest) < k or np.any(spectrum.values[nearest].imag != 0.0):
+        raise ArithmeticError(f"{k} real eigenvalues near zero were not found")
+    vectors = np.real(spectrum.vectors[:, nearest])
+    return Kernel.of(problem, z, kernel(linear_at(problem, z), vectors) if k > 1 else vectors, tangent, scale)
+
+
+def _multiple(problem: LargeProblem, near: Sample, frame: Frame, k: int) -> Outcome:
+    """A branch point with a kernel of dimension k."""
+    try:
+        kernel = kernel_at(problem, near.z, near.tangent, frame.scale, k)
+        found = kernel.point()
+    except (ArithmeticError, NotFiniteError) as failure:
+        return unverified("BP", str(failure))
+    if found is None:
+        return unverified("BP", f"{k} eigenvalues vanish near each other, not together")
+    z, left = found
+    residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), left)
+    generator, scatter = np.random.default_rng(3), 0.0
+    for _ in range(SAMPLES):
+        moved = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
+        again = replace(kernel, origin=moved).point()
+        scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
+    spectrum = problem.spectrum(z, at_zero=True)
+    others = np.delete(spectrum.values, np.argsort(np.abs(spectrum.values))[:k])
+    reduction_ = ReducedJet(kernel, z).reduction
+    form = any_branch_point(reduction_.jet, kernel=k, reduction=reduction_)
+    error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
+    unstable = int(np.sum(others.real > 0.0))
+    return Verified(
+        "BP", z, residual, float(error), spectrum.values, unstable, dict(form.coefficients), {"kernel": k}
+    )
+
+
+def tangents(problem: LargeProblem, z: Array, scale: Array) -> list[Array]:
+    """Unit tangents (scaled) of the branches through z."""
+    row = np.random.default_rng(5).normal(size=len(z))
+    here = problem.linearisation(z, row / norm(row), scale)
+    if here is None:
+        raise InputError(problem.describe_failure(z))
+    t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
+    size = norm(t)
+    if np.isfinite(size) and size < 1e8:
+        return [t / size]
+    reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)
+    crossing = [d / scale for d, _ in reduced.crossing(z)]
+    return [t / norm(t) for t in crossing] or [t / size]

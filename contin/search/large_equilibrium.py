@@ -1,0 +1,90 @@
+"""From a guess to an equilibrium of a large system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.errors import NoSolutionError, NotFiniteError
+from contin.problems.sparse.as_dense import SMALL
+from contin.problems.sparse.jacobian import JacobianSource
+from contin.problems.sparse.large_equilibrium import LargeProblem
+from contin.search.equilibrium_from_guess import Equilibrium
+from contin.systems.functions.function_system import FunctionSystem
+
+BUDGET = 40
+ACCURATE = 1e-12
+ACCEPTABLE = 1e-6  # a correction that no longer falls, because of rounding or at a fold
+
+
+@dataclass(frozen=True, eq=False)
+class LargeEquilibrium:
+    """A solution of F(u, p) = 0 at fixed parameters: the start of a continuation."""
+
+    system: FunctionSystem
+    u: Array
+    p: Array
+    source: JacobianSource
+
+    def seed(self, parameter: str) -> Seed:
+        """Where a continuation with this parameter free starts."""
+        active = list(self.system.parameter_names).index(parameter)
+        problem = LargeProblem(self.system, self.p, active, self.source)
+        return Seed(problem, np.append(self.u, self.p[active]))
+
+    def __str__(self) -> str:
+        return f"equilibrium of {len(self.u)} unknowns, largest {float(np.abs(self.u).max()):.6g}"
+
+
+def as_small(solution: object) -> object:
+    """An equilibrium of a small function with a sparse Jacobian as one of a dense problem; anything else as it is."""
+    if not isinstance(solution, LargeEquilibrium) or solution.system.model.written is not None:
+        return solution
+    if solution.system.n > SMALL:
+        return solution
+    return Equilibrium(solution.system, solution.u, solution.p, solution.system.model.periods())
+
+
+def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibrium:
+    """Newton at fixed p, with the step halved while the natural monotonicity test fails (Deuflhard 2004)."""
+    source = JacobianSource(system)
+    u = np.array(u, dtype=float)
+    f = system.value(u, p)
+    if not np.all(np.isfinite(f)):
+        raise NotFiniteError(system.explain(u, p) or "the equations are not finite at the start")
+    history = [float(np.max(np.abs(f)))]
+    before = np.inf
+    for _ in range(BUDGET):
+        if history[-1] == 0.0:
+            return LargeEquilibrium(system, u, p, source)
+        linear = source.at(u, p)
+        step = None if linear is None else linear.solve(-f)
+        if linear is None or step is None or not np.all(np.isfinite(step)):
+            break
+        size = float(np.max(np.abs(step))) / max(float(np.abs(u).max()), float(np.abs(step).max()), 1e-300)
+        if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
+            return LargeEquilibrium(system, u + step if size < before else u, p, source)
+        damping = 1.0
+        while damping > 1e-4:
+            trial = u + damping * step
+            f_trial = system.value(trial, p)
+            if np.all(np.isfinite(f_trial)):
+                simplified = float(np.max(np.abs(linear.solve(-f_trial))))
+                if simplified <= (1.0 - 0.25 * damping) * float(np.max(np.abs(step))) or simplified < 1e-12:
+                    break
+                if size < ACCEPTABLE:
+                    break
+            damping *= 0.5
+        else:
+            break
+        u, f = trial, f_trial
+        before = size if damping == 1.0 else np.inf
+        history.append(float(np.max(np.abs(f))))
+    shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
+    raise NoSolutionError(
+        f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. Start closer, "
+        "give other parameters, or check the Jacobian (matrix-free: the preconditioner)."
+    )

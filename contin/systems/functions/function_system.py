@@ -1,0 +1,362 @@
+"""A user's function with all its derivatives: what a compiled system is to a model, without machine code."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contin.abi import NO_FUNCTION, Array, Vector
+from contin.errors import InputError, InputWarning, NotFiniteError, UserFunctionError
+from contin.normalforms.jet import expand_complex
+from contin.records import Fields
+from contin.systems.functions.derivatives import Lines, is_analytic
+from contin.systems.functions.guarded import called, numbers, vector
+from contin.systems.functions.trials import not_analytic, real, try_function
+from contin.systems.protocol import form_by_form, one_by_one
+
+if TYPE_CHECKING:
+    from contin.systems.functions.function_problem import FunctionProblem
+    from contin.systems.protocol import Limit
+
+LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
+NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
+
+
+class FunctionSystem:
+    """Values and derivatives of a `FunctionProblem` in vectors u (n,), p (m,); z = (u, p).
+
+    The same methods as a compiled system has; its addresses are `NO_FUNCTION`. Jacobians are dense here.
+
+    A user's function that fails where it worked before (raises, returns the wrong shape) gives NaN: a branch ends
+    there, with what was computed, and `explain` and `trouble_near` say why. At the start it is an error.
+    """
+
+    jacobian_address = NO_FUNCTION
+    is_forced = False
+    n_switches = 0
+    limits: tuple[Limit, ...] = ()
+
+    def __init__(self, model: FunctionProblem) -> None:
+        self.model = model
+        self.kind = model.kind
+        self.n, self.m = model.n, len(model.parameter_names)
+        self.p_size = self.m
+        self.state_names, self.parameter_names = model.state_names, model.parameter_names
+        self._trouble: tuple[str, Array, Array] | None = None  # the last failure, and where: u, p
+        self._worked: set[str] = set()
+        self._lost = np.full(self.n, np.nan)
+        self._made = 0  # Jacobians by complex steps
+        u0, p0 = model.start_point()
+        self.observable_names: tuple[str, ...] = ()
+        value = self.value(u0, p0)
+        if model.jacobian is not None:
+            self._check_jacobian(u0, p0)
+        if model.written is None:
+            try_function(self, u0, p0)
+        if not np.all(np.isfinite(value)):
+            raise NotFiniteError(f"{self.explain(u0, p0)} (at u0)")
+        self.observable_names = tuple(self._recorded(u0, p0))
+        taken = sorted(set(self.observable_names) & {*self.state_names, *self.parameter_names, "stable", "unstable"})
+        if taken:
+            raise InputError(f"record: the names {', '.join(taken)} are taken; choose others")
+
+    def _check_jacobian(self, u0: Array, p0: Array) -> None:
+        assert self.model.jacobian is not None
+        shape = np.shape(called("Jacobian", self.model.jacobian, u0, self._named(p0)))
+        if shape != (self.n, self.n):
+            raise InputError(f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {shape}")
+
+    def _named(self, p: Vector) -> Fields:
+        return dict(zip(self.parameter_names, p.tolist(), strict=True))
+
+    def attempt(self, what: str, evaluate: Callable[[], Any], failed: object, u: Vector, p: Vector) -> Any:
+        """evaluate(); where it raises UserFunctionError, `failed`, and the reason is kept. The first one must work."""
+        try:
+            value = evaluate()
+        except UserFunctionError as error:
+            self._keep(what, error, u, p)
+            return failed
+        self._worked.add(what)
+        return value
+
+    def _keep(self, what: str, error: UserFunctionError, u: Vector, p: Vector) -> None:
+        """Keep the reason of a failure where `what` worked before; raise `error` where it did not."""
+        if what not in self._worked:
+            raise error
+        self._trouble = str(error), np.real(u).astype(float), np.real(p).astype(float)
+
+    # values ---------------------------------------------------------------------------------------------------------
+
+    def raw(self, u: Vector, p: Vector) -> Vector:
+        """F(u, p) (n,), real or complex, as the user's function gives it."""
+
+        def evaluate() -> Vector:
+            return vector("residual", called("residual", self.model.residual, u, self._named(p)), self.n)
+
+        value: Vector = self.attempt("residual", evaluate, np.full(self.n, np.nan), u, p)
+        return value
+
+    def quickly(self, u: Vector, p: Vector) -> Vector:
+        """`raw` without looking for what is wrong, until something is: for the many points of a difference or circle.
+
+        Floating point warnings are the caller's to switch off.
+        """
+        try:
+            value = np.asarray(self.model.residual(u, self._named(p)))
+        except Exception:  # noqa: BLE001 - said in words there
+            return self.raw(u, p)
+        return value if value.shape == (self.n,) and value.dtype.kind in "biufc" else self.raw(u, p)
+
+    def value(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """F(u, p), (n,)."""
+        states, others = np.array(u, dtype=float), np.asarray(p, dtype=float)
+        before = self._trouble
+        try:
+            with np.errstate(all="ignore"):
+                value = real("residual", self.quickly(states, others))
+        except UserFunctionError as error:
+            self._keep("value", error, states, others)
+            return self._lost
+        self._worked |= {"residual", "value"}
+        if self._trouble is before and not np.all(np.isfinite(value)):
+            bad = int(np.flatnonzero(~np.isfinite(value))[0])
+            self._trouble = f"component {bad} of the residual is {value[bad]:.3g}", states, others
+        return value
+
+    def _recorded(self, u: Array, p: Array) -> dict[str, float]:
+        """What `record` gives at a point; NaN where it fails."""
+        if self.model.record is None:
+            return {}
+        record = self.model.record
+
+        def evaluate() -> dict[str, float]:
+            with np.errstate(all="ignore"):
+                given = numbers("record", called("function `record`", record, u, self._named(p)))
+            missing = [name for name in names if name not in given]
+            if missing:
+                raise UserFunctionError(f"record must return the same names everywhere; {missing[0]!r} is missing")
+            return given
+
+        names = self.observable_names
+        failed = dict.fromkeys(names, float("nan"))
+        recorded: dict[str, float] = self.attempt("record", evaluate, failed, u, p)
+        return recorded
+
+    def observables(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Recorded values at N points, (N, k)."""
+        rows_u = np.atleast_2d(np.asarray(u, dtype=float))
+        rows_p = np.broadcast_to(np.asarray(p, dtype=float), (len(rows_u), self.m))
+        out = np.empty((len(rows_u), len(self.observable_names)))
+        if self.model.record is not None:
+            for k, (row_u, row_p) in enumerate(zip(rows_u, rows_p, strict=True)):
+                recorded = self._recorded(row_u, row_p)
+                out[k] = [recorded[name] for name in self.observable_names]
+        return out
+
+    def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
+        """Images of N states, (N, n)."""
+        chosen = next(s for s in self.model.symmetries if s.name == name)
+        return np.array([chosen.map(row) for row in np.atleast_2d(np.asarray(u, dtype=float))], dtype=float)
+
+    def margins(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Functions hold everywhere."""
+        return np.empty((len(np.atleast_2d(np.asarray(u))), 0))
+
+    def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Functions are taken to be smooth."""
+        return np.empty(0)
+
+    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """What is not finite at this point, or fails, and why; None if nothing is."""
+        states, others = np.asarray(u, dtype=float), np.asarray(p, dtype=float)
+        if self.model.explain is not None:
+            return self.model.explain(states, others)
+        self._trouble = None
+        value = self.value(states, others)
+        if np.all(np.isfinite(value)) and self.model.method == "dense":
+            with np.errstate(all="ignore"):
+                matrix = self.state_jacobian(states, others)
+            if self._trouble is None and not np.all(np.isfinite(matrix)):
+                self._trouble = "an entry of the Jacobian is not finite", states, others
+        return None if self._trouble is None else f"not finite at this point: {self._told()}"
+
+    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """Why a recorded value is not finite at this point, where `record` failed."""
+        self._trouble = None
+        self._recorded(np.asarray(u, dtype=float), np.asarray(p, dtype=float))
+        return None if self._trouble is None else self._told()
+
+    def trouble_near(self, u: Array, p: Array) -> str | None:
+        """The last failure of a user's function, if it was close to this point: why a branch cannot go on from here."""
+        if self._trouble is None:
+            return None
+        _, at_u, at_p = self._trouble
+        size = max(float(np.abs(u).max()), float(np.abs(p).max()), 1e-300)
+        apart = max(float(np.abs(at_u - u).max()), float(np.abs(at_p - p).max()))
+        return self._told() if apart < NEAR * size else None
+
+    def _told(self) -> str:
+        assert self._trouble is not None
+        text, u, p = self._trouble
+        where = ", ".join(f"{x:.6g}" for x in u[:6]) + (", ..." if self.n > 6 else "")
+        named = ", ".join(f"{k} = {v:.10g}" for k, v in self._named(p).items())
+        return f"{text}, at u = ({where}), {named}"
+
+    # derivatives ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Directional derivatives by complex steps or differences."""
+        u0, p0 = self.model.start_point()
+        states, others = np.where(u0 != 0.0, np.abs(u0), self.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)
+        sizes = np.concatenate([states, others])
+        analytic = self.model.written is None and is_analytic(self.raw, u0, p0, sizes)
+        return Lines(self.quickly, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
+
+    def _slope(self, u: Array, p: Array, v: Array) -> Array:
+        """D F[v] by the user's Jacobian."""
+        assert self.model.jacobian is not None
+        total = self.jacobian_product(u, p, v[: self.n])
+        for k in np.flatnonzero(v[self.n :]):
+            total = total + v[self.n + k] * self.parameter_slope(u, p, int(k))
+        return total
+
+    def jacobian_product(self, u: Array, p: Array, v: Array) -> Array:
+        """dF/du v by the user's Jacobian, (n,)."""
+        assert self.model.jacobian is not None
+        jacobian = self.model.jacobian
+
+        def evaluate() -> Array:
+            return real("Jacobian", np.asarray(called("Jacobian", lambda: jacobian(u, self._named(p)) @ v)))
+
+        product: Array = self.attempt("Jacobian", evaluate, np.full(self.n, np.nan), u, p)
+        return product
+
+    def parameter_slope(self, u: Array, p: Array, k: int) -> Array:
+        """dF/dp_k, (n,)."""
+        if self.model.parameter_jacobian is not None:
+            given, name = self.model.parameter_jacobian, self.parameter_names[k]
+
+            def evaluate() -> Array:
+                what = "parameter Jacobian"
+                return real(what, vector(what, called(what, given, u, self._named(p), name), self.n))
+
+            slope: Array = self.attempt("parameter Jacobian", evaluate, np.full(self.n, np.nan), u, p)
+            return slope
+        direction = np.zeros(self.n + self.m)
+        direction[self.n + k] = 1.0
+        lines = self.lines
+        with np.errstate(all="ignore"):
+            if lines.analytic:
+                return lines.first(u, p, direction)
+            return Lines(self.quickly, lines.sizes, False).pure(u, p, direction, 1)
+
+    def state_jacobian(self, u: Array, p: Array) -> Array:
+        """dF/du, (n, n), dense."""
+        if self.model.jacobian is not None:
+            given = self.model.jacobian
+
+            def evaluate() -> Array:
+                matrix = _dense(called("Jacobian", given, u, self._named(p)))
+                if np.shape(matrix) != (self.n, self.n):
+                    raise UserFunctionError(
+                        f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {np.shape(matrix)}"
+                    )
+                return real("Jacobian", np.asarray(matrix))
+
+            full: Array = self.attempt("Jacobian", evaluate, np.full((self.n, self.n), np.nan), u, p)
+            return full
+        matrix = np.empty((self.n, self.n))
+        self._made += 1
+        if self.lines.analytic and self._made % LOOK_AGAIN == 0:
+            self._look_again(u, p)
+        direction = np.zeros(self.n + self.m)
+        with np.errstate(all="ignore"):
+            for j in range(self.n):
+                direction[j] = 1.0
+                matrix[:, j] = self.lines.first(u, p, direction)
+                direction[j] = 0.0
+        return matrix
+
+    def slopes(self, u: Array, p: Array) -> Any:
+        """dF/du, (n, n): sparse where the user gives it so."""
+        given = self.model.jacobian
+        if given is None or self.model.method != "sparse":
+            return self.state_jacobian(u, p)
+        matrix = self.attempt("Jacobian", lambda: called("Jacobian", given, u, self._named(p)), None, u, p)
+        return self.state_jacobian(u, p) if matrix is None else matrix
+
+    def _look_again(self, u: Array, p: Array) -> None:
+        """Where complex steps no longer give the derivative, take differences from here on, with a warning."""
+        try:
+            why = not_analytic(self, u, p, self.lines.first)
+        except UserFunctionError:
+            return  # told where the value itself is needed
+        if why is not None:
+            self.lines = replace(self.lines, analytic=False)
+            warnings.warn(f"{self.model.name}: {why}", InputWarning, stacklevel=2)
+
+    def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+        """F (n,) and dF/dz (n, n + m)."""
+        states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+        with np.errstate(all="ignore"):
+            columns = [self.parameter_slope(states, others, k) for k in range(self.m)]
+            matrix = np.column_stack([self.state_jacobian(states, others), *columns])
+        return self.value(states, others), matrix
+
+    def values(self, u: Array, p: Array) -> Array:
+        """F at N points u (N, n), (N, n)."""
+        return np.array([self.value(at, p) for at in u])
+
+    def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
+        """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
+        return one_by_one(self.jacobian, u, p)
+
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
+        """`derivative` at N points, (N, n): u (N, n), p (N, m), directions (N, n + m)."""
+        return form_by_form(self.derivative, u, p, directions)
+
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
+        """D^k F(z)[d1, ..., dk], (n,), directions (n + m,), real or complex."""
+        states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+
+        def real(parts: tuple[Array, ...]) -> Array:
+            if self.model.derivative is not None and (2 <= len(parts) <= 3 or self.model.written is not None):
+                given = called("function `derivative`", self.model.derivative, states, self._named(others), *parts)
+                return vector("function `derivative`", given, self.n).astype(float)
+            with np.errstate(all="ignore"):
+                return self.lines.form(states, others, parts)
+
+        vectors = tuple(np.asarray(d) for d in directions)
+        return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
+
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
+        """The matrix D^2F(z)[v, .], (n, n + m), v real or complex."""
+        direction = np.asarray(v)
+        if np.iscomplexobj(direction):
+            return self.gradient(u, p, direction.real) + 1j * self.gradient(u, p, direction.imag)
+        states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+        if self.lines.analytic or self.model.jacobian is not None:
+            return self.lines.along(lambda a, b: self.jacobian(a, b)[1], states, others, direction)
+        unit = np.eye(self.n + self.m)
+        return np.column_stack([self.derivative(u, p, direction, row) for row in unit])
+
+    def gradients(self, u: Array, p: Array, v: Vector) -> Vector:
+        """`gradient` at N points: u (N, n), p (N, m), v (N, n + m) real or complex; (N, n, n + m)."""
+        return np.stack([self.gradient(*at) for at in zip(u, p, v, strict=True)])
+
+
+def _dense(matrix: Any) -> Any:
+    """A Jacobian as an array, also where the function gives it sparse or as products."""
+    from scipy.sparse import issparse
+    from scipy.sparse.linalg import LinearOperator
+
+    if issparse(matrix):
+        return matrix.toarray()
+    return matrix @ np.eye(matrix.shape[1]) if isinstance(matrix, LinearOperator) else matrix
