@@ -41,7 +41,8 @@ SLOW = """
     model/test_printing.py normalforms/test_multiple.py normalforms/test_two_modes.py systems/functions/test_trials.py
     loci/equilibria/test_invariance.py loci/equilibria/test_normal_forms.py loci/equilibria/test_published.py
     problems/equilibria/test_labels.py simulate/test_scan.py symbolic/test_averaging_one.py
-    symbolic/test_averaging_several.py symbolic/test_derived.py symbolic/test_reach.py symbolic/test_remove_singularities.py symbolic/test_second_order.py
+    symbolic/test_averaging_several.py symbolic/test_derived.py symbolic/test_reach.py
+    symbolic/test_remove_singularities.py symbolic/test_second_order.py
 """.split()
 HERE = Path(__file__).parent
 

@@ -45,7 +45,7 @@ def test_a_chunk_keeps_the_rows_before_the_step_in_which_it_fails(monkeypatch):
     branch = contin.continuation(FOLD, "p", RANGE, direction="down")
     assert 2 < len(branch) < len(whole)
     assert branch.points == ()
-    assert "an error inside contin at contin/continuation/isolate.py:" in branch.ends[0].text
+    assert "an error inside contin at contin/continuation/location/isolate.py:" in branch.ends[0].text
     np.testing.assert_array_less(0.0, branch.columns["x"])  # the step over the fold is left out
 
 
@@ -57,7 +57,7 @@ def test_an_error_in_a_verification_costs_the_label_alone(monkeypatch):
     branch = contin.continuation(FOLD, "p", RANGE, direction="down")
     assert branch.points == ()
     assert branch.ends[0].reason == whole.ends[0].reason == "bound"  # beyond the fold, back at p = 4
-    assert any("not verified: an error inside contin at contin/continuation/isolate.py:" in n for n in branch.notes)
+    assert any("not verified: an error inside contin at contin/continuation/location/isolate.py:" in n for n in branch.notes)
 
 
 def test_what_contin_says_on_purpose_passes():
