@@ -57,7 +57,8 @@ def test_an_error_in_a_verification_costs_the_label_alone(monkeypatch):
     branch = contin.continuation(FOLD, "p", RANGE, direction="down")
     assert branch.points == ()
     assert branch.ends[0].reason == whole.ends[0].reason == "bound"  # beyond the fold, back at p = 4
-    assert any("not verified: an error inside contin at contin/continuation/location/isolate.py:" in n for n in branch.notes)
+    place = "not verified: an error inside contin at contin/continuation/location/isolate.py:"
+    assert any(place in note for note in branch.notes)
 
 
 def test_what_contin_says_on_purpose_passes():
