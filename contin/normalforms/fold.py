@@ -6,6 +6,7 @@ import numpy as np
 
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Jet
+from contin.normalforms.later import Later
 from contin.normalforms.result import TRUST, NormalForm
 from contin.normalforms.static import StateError, quadratic_error, state, static_pair
 
@@ -18,9 +19,12 @@ def fold(jet: Jet, *, state_error: StateError = None) -> NormalForm:
     pair = static_pair(jet)
     q, p = pair.right, pair.left
     a = 0.5 * float(np.vdot(p, jet.form(state(jet, q), state(jet, q))))
-    error = 0.5 * quadratic_error(jet, p, q, q, state_error)
-    words = "fold" if abs(a) > error else "fold, quadratic coefficient zero to its estimated error (cusp)"
-    return NormalForm("LP", {"a": a}, words, {"q": q, "p": p}, {"a": error})
+    errors = Later(lambda: {"a": 0.5 * quadratic_error(jet, p, q, q, state_error)})
+
+    def words() -> str:
+        return "fold" if abs(a) > errors["a"] else "fold, quadratic coefficient zero to its estimated error (cusp)"
+
+    return NormalForm("LP", {"a": a}, words, {"q": q, "p": p}, errors)
 
 
 def cusp(jet: Jet) -> NormalForm:

@@ -40,7 +40,7 @@ def zero_hopf_on_plane(jet: Jet, omega: float | None = None) -> NormalForm:
         else:
             case += "a torus branches off the cycles beside the plane" if first * (first - second) < 0.0 else "no torus"
     coefficients["case"] = case
-    return replace(form, coefficients=coefficients, words=f"zero-Hopf point, {case}")
+    return replace(form, coefficients=coefficients, said=f"zero-Hopf point, {case}")
 
 
 def _amplitudes(jet: Jet, omega: float | None) -> tuple[Any, ...]:

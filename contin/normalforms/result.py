@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,9 +30,14 @@ class NormalForm:
 
     type: str
     coefficients: Record
-    words: str
+    said: str | Callable[[], str]  # in words, or what says it: where errors decide that are computed when read
     vectors: Mapping[str, Vector] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)  # estimated, of the real coefficients that decide
+
+    @property
+    def words(self) -> str:
+        """What the point is."""
+        return self.said if isinstance(self.said, str) else self.said()
 
 
 def parts(value: complex) -> list[float]:

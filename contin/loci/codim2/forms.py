@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
@@ -14,6 +14,7 @@ from contin.continuation.problem import Verified
 from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
+from contin.normalforms.later import Later, stated
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST, NormalForm
 from contin.normalforms.rounding import apart, rounding_errors
@@ -63,20 +64,32 @@ def described(
             form = normal_form(point.type, jet, frequency=frequency, state_error=lengths)
     except NO_FORM as reason:
         return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
-    known = dict(form.errors)
+    known: Mapping[str, float] = stated(form.errors)
     if point.type != "DP" and not plane:
 
         def form_at(jet: Jet) -> NormalForm:
             return normal_form(point.type, jet, frequency=frequency)
 
-        changes = [rounding_errors(form, form_at, jet)]
-        if drift is not None:
-            changes.append(_changes(lambda z: form_at(jet_at(problem, z)), form, point.z, drift, scale))
-        for key, change in chain.from_iterable(found.items() for found in changes):
-            known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
-    errors = {"errors": known} if known else {}
+        at_place = point.z.copy()
+
+        def grown() -> dict[str, float]:
+            changes = [rounding_errors(form, form_at, jet)]
+            if drift is not None:
+                changes.append(_changes(lambda z: form_at(jet_at(problem, z)), form, at_place, drift, scale))
+            return _summed(form, changes)
+
+        known = Later(grown) if form.errors else grown()  # decides nothing, and takes the time of four such forms
+    errors = {"errors": known} if isinstance(known, Later) or known else {}
     own = dict(in_own_units(form.vectors, unit_mass(problem.system)))
     return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | own)
+
+
+def _summed(form: NormalForm, changes: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The errors of a form's coefficients, grown by these."""
+    known = dict(form.errors)
+    for key, change in chain.from_iterable(found.items() for found in changes):
+        known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
+    return known
 
 
 def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, scale: Array) -> dict[str, float]:

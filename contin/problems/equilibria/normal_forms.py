@@ -14,6 +14,7 @@ from contin.normalforms.directions import any_branch_point, turning_branch_point
 from contin.normalforms.fold import fold
 from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet, Kind
+from contin.normalforms.later import Later, stated
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
 from contin.normalforms.sources import jet_of
@@ -51,7 +52,7 @@ def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array)
         return replace(point, remark=f"{point.type}: its normal form is not finite")
     units = unit_mass(problem.system)
     vectors = {**point.vectors, **in_own_units(form.vectors, units)}
-    errors = {"errors": dict(form.errors)} if form.errors else {}
+    errors = {"errors": stated(form.errors)} if isinstance(form.errors, Later) or form.errors else {}
     described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
     if point.type == "HB" and int(point.vectors.get("kernel", 1)) > 1 and not problem.system.model.symmetries:
         described = replace(described, remark=SEVERAL_PAIRS)
