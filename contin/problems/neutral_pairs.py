@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.linalg.balancing import weights
 from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.problems.dense_march import DenseMarch
 
@@ -73,6 +74,8 @@ def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Arr
     shift = STEP * scale * np.where(np.arange(len(z)) % 2, -1.0, 1.0)
     rounding = np.abs(problem.linear_part(z + shift) - 2.0 * matrix + problem.linear_part(z - shift))
     balanced = scale[:-1] / scale[0]
+    if np.all(np.isfinite(matrix)):
+        balanced = balanced * weights(matrix / balanced[:, None] * balanced)  # as QR does, whose errors are meant
     entries = rounding / balanced[:, None] * balanced
     matrix = matrix / balanced[:, None] * balanced
     entries += ROUNDING * float(np.abs(matrix).max())

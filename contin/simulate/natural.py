@@ -17,6 +17,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import ContinError
+from contin.linalg.balancing import weights
 from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
@@ -226,16 +227,8 @@ def without_rounding(coupling: Array) -> Array:
     """
     if not np.any((coupling > 0.0) & (coupling <= ROUNDING * coupling.max())):
         return coupling
-    balanced = coupling.copy()
-    np.fill_diagonal(balanced, 0.0)
-    for _ in range(SWEEPS):
-        for i in range(len(balanced)):
-            column, row = float(balanced[:, i].sum()), float(balanced[i].sum())
-            if column > 0.0 and row > 0.0:
-                factor = np.sqrt(row / column)
-                balanced[:, i] *= factor
-                balanced[i] /= factor
-    np.fill_diagonal(balanced, coupling.diagonal())
+    d = weights(coupling)
+    balanced = coupling / d[:, None] * d
     return np.asarray(np.where(balanced > ROUNDING * balanced.max(), coupling, 0.0))
 
 

@@ -102,3 +102,14 @@ def test_pairs_are_suspected_alike_among_few_and_among_many(is_map):
         seen.add(neutral_pairs.is_suspect(values, is_map))
         assert neutral_pairs.is_suspect(values, is_map) == neutral_pairs.is_suspect(among_many, is_map)
     assert seen == {False, True}
+
+
+def test_a_slow_growth_is_seen_beside_couplings_of_very_unlike_sizes():
+    """x' = .3 x + 10^(2p) y, y' = .3 y - x: .3 +- 10^p i, two unstable ones, at every p."""
+    model = contin.Model(
+        "unlike", states={"x": 0, "y": 0}, parameters={"p": 1.0},
+        equations={"x": "0.3*x + 10^(2*p)*y", "y": "0.3*y - x"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model, {"x": 0, "y": 0}), "p", (1.0, 10.0))
+    assert np.all(branch.columns["unstable"] == 2)
+    assert not branch.points
