@@ -11,6 +11,7 @@ from contin.api.fixed_totals import for_branches
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.model.kinds import need_states
+from contin.model.model import Model
 from contin.records import Record
 from contin.search.equilibria_in_box import FoundEquilibrium, find, make_box
 from contin.simulate.natural import natural_metric
@@ -48,7 +49,8 @@ def find_equilibria(
 def reach_of(model: Any, parameters: Record | None = None) -> dict[str, tuple[float, float]]:
     """Twice the largest size of each state in the model's default and named starts, in both directions.
 
-    Where all are 0, the natural sizes of the states, if these are far from 1.
+    Of those that are 0 in all of them, the natural sizes, if these are far from the largest size of the others (from 1,
+    where all are 0).
 
     Angles apart.
     """
@@ -56,8 +58,9 @@ def reach_of(model: Any, parameters: Record | None = None) -> dict[str, tuple[fl
     points = [model.start_point(name, dict(parameters or {}))[0] for name in names]
     largest = np.abs(np.array(points)).max(axis=0)
     usual = np.full(len(largest), max(float(largest.max(initial=0.0)), USUAL))
-    if not largest.any():  # only the equations tell; sizes that a search of the usual box would see need no other
-        system, (u, p) = compiled(model), model.start_point(None, dict(parameters or {}))
+    if not largest.all():  # only the equations tell; sizes that a search of the usual box would see need no other
+        flow = model.replace(events=()) if isinstance(model, Model) else model
+        system, (u, p) = compiled(flow), model.start_point(None, dict(parameters or {}))
         natural = natural_metric(system, u, p)
         known = ~np.isin(model.state_names, natural.guessed)
         unseen = (natural.states < RESOLVED * usual) | (natural.states > usual / RESOLVED)

@@ -14,6 +14,7 @@ from contin.model.model import Model
 from contin.plane.field import PlanarField
 from contin.plane.types import PlaneType, flow_type
 from contin.search.equilibrium_from_guess import Equilibrium
+from contin.symbolic.passes.conserved import without_conserved
 
 ROUNDED: Final = 1e-9  # of the largest eigenvalue: a smaller real part (distance from the unit circle) may be none
 
@@ -43,7 +44,15 @@ def rests(field: PlanarField, window: Array) -> tuple[list[Rest], list[str]]:
     found = find_equilibria(planar, box, field.parameters)
     inside = [one.equilibrium for one in found if _inside(one.u, window)]
     known = [described(field, one, window) for one in inside]
-    return known, [f"{rest.type} at ({rest.u[0]:.6g}, {rest.u[1]:.6g}): {rest.note}" for rest in known if rest.note]
+    notes = [f"{rest.type} at ({rest.u[0]:.6g}, {rest.u[1]:.6g}): {rest.note}" for rest in known if rest.note]
+    return known, [*notes, *_lines(planar)]
+
+
+def _lines(planar: object) -> list[str]:
+    """A note where a linear quantity is conserved: equilibria are no points then."""
+    laws = getattr(without_conserved(planar.replace(conserved=True)), "totals", ()) if isinstance(planar, Model) else ()
+    words = ["a sum of " + " and ".join(total.law) for total in laws]
+    return [f"{law} is conserved: equilibria form lines, of which one point is listed at most" for law in words]
 
 
 def _inside(u: Array, window: Array) -> bool:

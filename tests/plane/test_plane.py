@@ -168,3 +168,21 @@ def test_a_cycle_with_jumps_has_the_multiplier_of_its_map():
     (cycle,) = plane.cycles
     assert cycle.period == pytest.approx(np.log(3.0), rel=1e-8)
     assert cycle.multiplier == pytest.approx(1.0 / 3.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e15, 1e-12])
+def test_a_state_that_starts_at_zero_has_its_natural_size_beside_one_that_does_not(unit):
+    """Half the window of y was 1 where x starts at 2e-15: no cycle was seen."""
+    model = Model(
+        "van-der-pol", states={"x": 2.0 / unit, "y": 0}, parameters={"m": 1},
+        equations={"x": "y", "y": f"m*(1 - ({unit!r}*x)^2)*y - x"},
+    )  # fmt: skip
+    plane = contin.plane(model, "x", "y")
+    (cycle,) = plane.cycles
+    assert cycle.period == pytest.approx(6.66328686, rel=1e-7)
+    assert np.abs(plane.window).max() < 10.0 / unit
+
+
+def test_a_plane_with_a_conserved_sum_says_that_equilibria_are_lines():
+    model = Model("closed", states={"x": 1, "y": 0}, parameters={"k": 0.5}, equations={"x": "k*y - x", "y": "x - k*y"})
+    assert any("x and y is conserved" in note for note in contin.plane(model, "x", "y").notes)

@@ -103,6 +103,20 @@ def test_events_that_rounding_hides_are_one_label_or_none_and_the_branch_goes_on
     assert abs(branch.z[0] - branch.z[-1])[:-1].max() > 0.1 or kind
 
 
+@pytest.mark.parametrize("spacing", [3e-4, 3.8e-4, 4.5e-4])
+def test_four_hopf_points_whose_growth_rate_is_lost_between_them_are_noted(spacing):
+    """The count of unstable eigenvalues changes beside the outer two, where the rate is 2e-12: two labels, no word."""
+    branch = hopf_points(np.random.default_rng(4711018), spacing, 4).follow()
+    assert len(branch.points) == 4 or (branch.notes and branch.unexplained)
+
+
+@pytest.mark.parametrize("spacing", np.geomspace(2e-7, 3e-6, 8))
+def test_a_zero_at_the_distance_at_which_a_fold_is_looked_at_again_is_noted(spacing):
+    """The test has the same sizes at both distances, but other signs: a third fold lies between them."""
+    branch = folds(np.random.default_rng(1), float(spacing), 1, 1.0).follow()
+    assert len(branch.points) == 3 or branch.notes
+
+
 def test_errors_of_crossings_hold_in_skewed_coordinates():
     """Entries of the Jacobian are sums of terms up to the condition, which cancel and err alike wherever one looks."""
     found = 0

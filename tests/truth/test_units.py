@@ -12,25 +12,27 @@ from pathlib import Path
 import pytest
 
 import contin
+from tests.truth.further_unit_checks import FURTHER
 from tests.truth.ledger import Ledger
 from tests.truth.unit_checks import CHECKS, SLOW
 from tests.truth.units import LONG, ORDINARY, ROUGH, SMOOTH, Units, Verbs, compare
 
 EXTREME = (Units(1e15, 1e12, 1e3), Units(1e-9, 1e-9, 1e12))
+ALL = CHECKS | FURTHER
 _ordinary = {}
 
 
 def differences(name: str, units: Units) -> list[str]:
-    model, check = CHECKS[name]
+    model, check = ALL[name]
     if name not in _ordinary:
         _ordinary[name] = check(Verbs(model, ORDINARY))
     rel = ROUGH if "sweep" in name or "scan" in name else SMOOTH
     return compare(_ordinary[name], check(Verbs(model, units)), {}, rel)
 
 
-@pytest.mark.parametrize("name", [n for n in CHECKS if n not in SLOW])
+@pytest.mark.parametrize("name", [n for n in ALL if n not in SLOW])
 def test_extreme_units_change_nothing(name):
-    units = EXTREME[list(CHECKS).index(name) % 2]  # the long version takes both, and each alone
+    units = EXTREME[list(ALL).index(name) % 2]  # the long version takes both, and each alone
     assert {str(units): found for units in [units] if (found := differences(name, units))} == {}
 
 
@@ -38,7 +40,7 @@ def test_extreme_units_change_nothing(name):
 def test_units_change_nothing(tmp_path):
     """Writes its table to the folder CONTIN_TRUTH_TABLES, where that is set."""
     ledger = Ledger()
-    for name in CHECKS:
+    for name in ALL:
         counts = ledger.counts.setdefault(name, Counter())
         for units in LONG:
             counts["systems"] += 1

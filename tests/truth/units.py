@@ -48,7 +48,7 @@ LONG = (
 
 
 def in_units(model: Model, units: Units) -> Model:
-    """The model written in other units; a map keeps its time, an algebraic system has none."""
+    """The model written in other units, M du/dt = f row by row; a map keeps its time, an algebraic system has none."""
     states = {s.name: number(units.of_state(k)) for k, s in enumerate(model.states)}
     parameters = {p.name: number(units.parameter) for p in model.parameters}
     clock = number(1.0 if model.kind in ("map", "algebraic") else units.time)
@@ -67,6 +67,10 @@ def in_units(model: Model, units: Units) -> Model:
         return None if formula is None else written(formula, unit)
 
     forcing, interval = model.forcing, model.interval
+    mass = {
+        row: {n: mul(written(e), div(states[n], states[row])) for n, e in entries.items()}
+        for row, entries in model.mass.items()
+    }
     return model.replace(
         states=tuple(
             replace(s, value=written(s.value, states[s.name]), scale=maybe(s.scale, states[s.name]))
@@ -95,6 +99,11 @@ def in_units(model: Model, units: Units) -> Model:
         functionals={
             n: f if f.kind in ENDS else replace(f, inner=written(f.inner)) for n, f in model.functionals.items()
         },
+        mass=mass,
+        events=tuple(
+            replace(e, when=written(e.when), jumps={n: written(j, states[n]) for n, j in e.jumps.items()})
+            for e in model.events
+        ),
         definitions={}, functions={}, expect=(),
         starts=tuple(
             Start(

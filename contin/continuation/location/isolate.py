@@ -342,7 +342,21 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
             yield Found(length, anchored_on_branch(item, stretch.base), at_point(stretch, a, item))
+            if _is_elsewhere(stretch, a, b, item, length):
+                yield _lost(stretch, a)
         elif isinstance(item, Jump):
             yield Note(where(stretch, a, item.text), jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
             yield Note(where(stretch, a, item.reason), item.suspect)
+
+
+def _is_elsewhere(stretch: Stretch, a: Sample, b: Sample, found: Verified, length: float) -> bool:
+    """True where the count changes between a and b, no test does, and the point found lies beyond its error from there.
+
+    The count then changed where the critical eigenvalue came within its rounding errors of the stability boundary.
+    From there to the point its sign is not known, and further points may lie between.
+    """
+    if np.any(a.tests * b.tests < 0.0):
+        return False
+    low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
+    return max(low - length, length - high) > max(COINCIDENT, found.error / float(stretch.frame.scale[-1]))

@@ -142,7 +142,7 @@ def told_apart(a: Sample, b: Sample, noise: Array) -> bool:
 def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, crossing: NDArray[np.bool_]) -> bool:
     """True where every crossing test vanishes with its distance from the point, as at a simple zero alone.
 
-    That is, with a power of the distance between 1/2 and 3/2.
+    That is, without a change of sign, with a power of the distance between 1/2 and 3/2.
     """
     centre = stretch.length_of(point)
     d_near, d_nearer = (abs(stretch.length_of(s) - centre) for s in (near, nearer))
@@ -151,6 +151,8 @@ def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, cro
     ratio = d_near / d_nearer
     sizes, nearer_sizes = np.abs(near.tests[crossing]), np.abs(nearer.tests[crossing])
     low, high = sqrt(ratio) * nearer_sizes, ratio * sqrt(ratio) * nearer_sizes
+    if np.any(near.tests[crossing] * nearer.tests[crossing] < 0.0):  # another zero lies between them
+        return False
     return bool(np.all((sizes > low) & (sizes < high)))  # false for 0 and NaN: the test is lost in its rounding
 
 
