@@ -3,8 +3,8 @@
     [E'; H; t] x = r,    A = [E'; B],    A V = [0; I],    x = y + V c,    A y = [r_E; 0]
 
 E : equations of any discretisation, B : rows across their null space, V : that null space, H : derivatives of the
-scalars, t : the tangent's row. Of the scalars only derivatives along V and y are needed, which are central differences:
-neither the size of E nor how it is factorised matters. (Govaerts 2000, ch. 3.)
+scalars, t : the tangent's row. Of the scalars only derivatives along V and y are needed, their own or central
+differences: neither the size of E nor how it is factorised matters. (Govaerts 2000, ch. 3.)
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -22,6 +22,16 @@ from contin.linalg.vectors import norm
 STEP: Final = 1e-5  # scaled, of the central differences of scalars
 
 Scalars = Callable[[Array], Array]  # z -> (k,)
+
+
+@runtime_checkable
+class Sloped(Protocol):
+    """Scalars with derivatives of their own."""
+
+    def __call__(self, z: Array) -> Array: ...
+
+    def along(self, z: Array, x: Array) -> Array:
+        """The derivatives (k,) along x, both unscaled."""
 
 
 class Bordered(Protocol):
@@ -78,6 +88,8 @@ class Augmented:
         length = norm(x)
         if length == 0.0 or not self.values.size:
             return np.zeros(len(self.values))
+        if isinstance(self.scalars, Sloped):
+            return np.asarray(self.scalars.along(self.z, self.scale * x))
         step = STEP / length * self.scale * x
         return np.asarray((self.scalars(self.z + step) - self.scalars(self.z - step)) * (0.5 * length / STEP))
 

@@ -27,6 +27,8 @@ class Held(Protocol):
 def joined(held: tuple[Held, ...], problem: AugmentedCurve, z: Array, scale: Array) -> Scalars:
     """All scalars near z as one function."""
     parts = [one.near(problem, z, scale) for one in held]
+    if len(parts) == 1:
+        return parts[0]
 
     def values(at: Array) -> Array:
         return np.concatenate([part(at) for part in parts]) if parts else np.zeros(0)

@@ -14,7 +14,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Verified, unverified
 from contin.continuation.settings import Settings
@@ -192,6 +192,29 @@ class LargeOrbitProblem(InOneParameterProblem):
         memory.last, memory.sweeps = z.copy(), Sweeps.of(found, orbit.period * orbit.h, memory.factoriser)
         return memory.sweeps
 
+    def by_scalars(self, z: Array, places: Sequence[int]) -> Array:
+        """Derivatives (1 + k, N, 3, n) of T h (A x 1) f by the period and by k parameters."""
+        orbit, p = self.profile(z), self.full_parameters(z)
+        states = orbit.U.reshape(-1, self.n)
+        slopes = [self._rates(orbit.U, p)]
+        slopes += [orbit.period * self.points.parameter_slopes(states, p, k).reshape(orbit.U.shape) for k in places]
+        return np.asarray(np.einsum("ik,sjkn->sjin", A, np.array(slopes)) * orbit.h)
+
+    def image(self, z: Array, d: Vector) -> Vector | None:
+        """T h (A x J) d for d (N, 3, n), real or complex; None where an equation is not finite."""
+        orbit = self.profile(z)
+        found = self.points.jacobians(orbit.U.reshape(-1, self.n), self.full_parameters(z))
+        if found is None:
+            return None
+        moved = np.array([J @ row for J, row in zip(found, d.reshape(-1, self.n), strict=True)]).reshape(d.shape)
+        return np.asarray(orbit.period * orbit.h * np.einsum("ik,jkn->jin", A, moved))
+
+    def at_constants(self, base: Array) -> Self:
+        """The same family at other constants, with the same memory, patterns and colours."""
+        made = replace(self, base=base)
+        vars(made).update(source=self.source, points=self.points)
+        return made
+
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> OrbitLinearisation | None:
         if self._unsettled():
             self.settle(z, tangent, scale)
@@ -201,14 +224,11 @@ class LargeOrbitProblem(InOneParameterProblem):
         sweeps = self.sweeps(z)
         if sweeps is None:
             return None
-        orbit, p = self.profile(z), self.full_parameters(z)
-        f = self._rates(orbit.U, p)  # finite, as the residual is
-        slopes = self.points.parameter_slopes(orbit.U.reshape(-1, self.n), p, self.active).reshape(f.shape)
-        columns = -np.array([np.einsum("ik,jkn->jin", A, f), orbit.period * np.einsum("ik,jkn->jin", A, slopes)])
+        columns = -self.by_scalars(z, (self.active,))
         assert self.memory.direction is not None
         rows = np.array([np.append(self.memory.direction, [0.0, 0.0]), tangent / scale])
         size = float(scale[0]) / np.sqrt(len(scale) - 2)
-        closed = Closed.of(sweeps, columns * orbit.h, rows, np.array([size, scale[-2], scale[-1]]))
+        closed = Closed.of(sweeps, columns, rows, np.array([size, scale[-2], scale[-1]]))
         return OrbitLinearisation(np.append(residual[:-1] / scale[:-2], residual[-1]), closed, scale, self.intervals)
 
     # stability --------------------------------------------------------------------------------------------------------

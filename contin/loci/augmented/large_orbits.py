@@ -1,0 +1,148 @@
+"""Periodic orbits of large systems as a base of curves in two parameters.
+
+z = (U, T, second parameter, first parameter), U (N, 3, n) as in `contin.problems.large_orbits`. The large solves are
+those of a family: from interval to interval, with the monodromy matrix inside GMRES, and one column more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.loci.augmented.base import Base
+from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
+from contin.problems.large_orbits.radau import STAGES
+from contin.problems.large_orbits.sweeps import Closed
+from contin.problems.scales import parameter_width
+
+BEHIND: Final = 3  # unknowns behind the states: period and two parameters
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedInTwo:
+    """Scaled residual, and [E'; B] in scaled unknowns, B two rows."""
+
+    residual: Array
+    closed: Closed
+    scale: Array
+    intervals: int
+    sign: float = 1.0
+    log_determinant: float = 0.0
+
+    def solve(self, right: Array) -> Array:
+        """[E'; B] x = right."""
+        raw = (right[:-BEHIND] * self.scale[:-BEHIND]).reshape(self.intervals, STAGES, -1)
+        d, rest, _ = self.closed.solve(raw, right[-BEHIND:], again=True)
+        return np.concatenate([d.ravel(), rest]) / self.scale
+
+
+@dataclass(eq=False)
+class Latest:
+    """The family at the second parameter's last value."""
+
+    second: float = np.nan
+    problem: LargeOrbitProblem | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class LargeOrbitBase(Base):
+    """problem : of the family, the first parameter active.  second : place of the other among the system's."""
+
+    problem: LargeOrbitProblem
+    second: int
+    _latest: Latest = field(default_factory=Latest)
+
+    has_stability = False
+
+    @property
+    def system(self) -> Any:
+        return self.problem.system
+
+    @property
+    def angle_periods(self) -> Array:
+        return np.zeros(self._states + BEHIND - 1)
+
+    @property
+    def _states(self) -> int:
+        return self.problem.intervals * STAGES * self.problem.n
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        return ~self.growing
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        return np.arange(self._states + BEHIND) < self._states
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        known = self.system.parameter_names
+        return known[self.problem.active], known[self.second]
+
+    @property
+    def conditions(self) -> int:
+        return 0
+
+    def constants(self) -> dict[str, float]:
+        return self.problem.constants()
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.problem.default_range(parameter)
+
+    def inner(self, z: Array) -> Array:
+        """(U, T, first parameter), also of a metric or tangent."""
+        return np.append(z[:-2], z[-1])
+
+    def at(self, z: Array) -> LargeOrbitProblem:
+        """The family through z."""
+        latest = self._latest
+        if latest.problem is None or latest.second != z[-2]:
+            base = self.problem.base.copy()
+            base[self.second] = latest.second = float(z[-2])
+            latest.problem = self.problem.at_constants(base)
+            self.problem.memory.last = None  # factors of another value
+        return latest.problem
+
+    def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
+        inner = self.at(z).initial_scale(self.inner(z), ranges[0])
+        second = parameter_width(self.system.model, self.names[1], float(z[-2]), ranges[1])
+        return np.concatenate([inner[:-1], [second, inner[-1]]])
+
+    def settle(self, z: Array) -> None:
+        """The phase is that of z."""
+        inner = self.inner(z)
+        self.problem.settle(inner, np.zeros(inner.size), np.ones(inner.size))
+
+    def linearise(self, z: Array, scale: Array, rows: Array) -> ClosedInTwo | None:
+        if self.problem.memory.direction is None:
+            self.settle(z)
+        problem, inner = self.at(z), self.inner(z)
+        residual = problem.residual(inner)
+        sweeps = problem.sweeps(inner) if np.all(np.isfinite(residual)) else None
+        if sweeps is None:
+            return None
+        columns = problem.by_scalars(inner, (self.second, problem.active))
+        direction = np.append(problem.memory.direction, np.zeros(BEHIND))  # type: ignore[arg-type]
+        size = float(scale[0]) / np.sqrt(self._states)
+        closed = Closed.of(sweeps, -columns, np.vstack([direction, rows / scale]), np.append(size, scale[-BEHIND:]))
+        phase = residual[-1]
+        return ClosedInTwo(np.append(residual[:-1] / scale[:-BEHIND], phase), closed, scale, problem.intervals)
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        found: dict[str, list[float]] = {}
+        for row in z:
+            own = {name: float(c[0]) for name, c in self.at(row).columns(self.inner(row)[None]).items()}
+            for name, value in ({self.names[0]: float(row[-1]), self.names[1]: float(row[-2])} | own).items():
+                found.setdefault(name, []).append(value)
+        return {name: np.array(values) for name, values in found.items()}
+
+    def column_names(self) -> tuple[str, ...]:
+        return (*self.names, *self.problem.column_names()[1:])
+
+    def describe_failure(self, z: Array) -> str:
+        return self.at(z).describe_failure(self.inner(z))
