@@ -103,6 +103,16 @@ def test_events_that_rounding_hides_are_one_label_or_none_and_the_branch_goes_on
     assert abs(branch.z[0] - branch.z[-1])[:-1].max() > 0.1 or kind
 
 
+def test_a_tangency_is_found_wherever_the_rows_about_it_fall():
+    """Beside a multiple branch point Newton fails; a trial as far from it on the other side was an ordinary minimum."""
+    for k in range(33):
+        r = 0.1875 + k / 1024
+        branch = Planted("one", {"x": f"x*((p - {r!r})^2 - x)"}, {"x": 0.0}, [], (-1.0, 1.0), at=-1.0).follow()
+        (point,) = branch.points
+        assert abs(point.values["p"] - r) <= point.error
+        assert point.normal_form["kind"] == "tangency"
+
+
 @pytest.mark.parametrize("spacing", [3e-4, 3.8e-4, 4.5e-4])
 def test_four_hopf_points_whose_growth_rate_is_lost_between_them_are_noted(spacing):
     """The count of unstable eigenvalues changes beside the outer two, where the rate is 2e-12: two labels, no word."""

@@ -101,14 +101,14 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
         if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
             yield from _touching(stretch, low, high, test, a)
             return
+        narrower = _narrower((low, middle, high), trial, target < s[1], f_trial < f[1])
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
-            if f[1] <= _nothing(stretch, middle, b, test, fall):  # all that is left is rounding
-                yield from _touching(stretch, low, high, test, a)
-            return  # an ordinary minimum, resolved
-        if target < s[1]:
-            low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
-        else:
-            low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
+            places, sizes = [stretch.length_of(x) for x in narrower], [size(x) for x in narrower]
+            if _parabola_lowest(places, sizes) > 0.5 * sizes[1]:  # else the trial is as far from the minimum beyond it
+                if f[1] <= _nothing(stretch, middle, b, test, fall):  # all that is left is rounding
+                    yield from _touching(stretch, low, high, test, a)
+                return  # an ordinary minimum, resolved
+        low, middle, high = narrower
     if size(middle) <= max(10.0 * NOTHING_LEFT * fall, _nothing(stretch, middle, b, test, fall)):
         yield from _touching(stretch, low, high, test, a)
 
@@ -193,3 +193,23 @@ def _parabola_minimum(s: list[float], f: list[float]) -> float | None:
     if second <= 0.0:
         return None
     return 0.5 * (s[0] + s[1]) - 0.5 * left / second
+
+
+def _narrower(
+    samples: tuple[Sample, Sample, Sample], trial: Sample, is_before: bool, is_lower: bool
+) -> tuple[Sample, Sample, Sample]:
+    """Three samples about the minimum, with a trial before or after the middle one of those that were about it."""
+    low, middle, high = samples
+    if is_before:
+        return (low, trial, middle) if is_lower else (trial, middle, high)
+    return (middle, trial, high) if is_lower else (low, middle, trial)
+
+
+def _parabola_lowest(s: list[float], f: list[float]) -> float:
+    """The least value of the parabola through three points; the middle one's where it has none."""
+    place = _parabola_minimum(s, f)
+    if place is None:
+        return f[1]
+    left, right = (f[1] - f[0]) / (s[1] - s[0]), (f[2] - f[1]) / (s[2] - s[1])
+    second = (right - left) / (s[2] - s[0])
+    return f[1] - second * (place - s[1]) * (place - s[1])
