@@ -37,6 +37,7 @@ from contin.continuation.segment import Piece
 from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
+from contin.machine.freed import give_back
 from contin.records import Fields, Record
 
 Watcher = Callable[[Record], None]
@@ -109,7 +110,9 @@ def trace(
             notes.append(arm.end.text)
         if arm.end.reason == "stopped":
             break
-    return _assembled(departure, records, name, targets, notes, started, before)
+    branch = _assembled(departure, records, name, targets, notes, started, before)
+    give_back()
+    return branch
 
 
 def _assembled(
