@@ -25,9 +25,8 @@ from contin.problems.dense_march import DenseMarch
 
 if TYPE_CHECKING:
     from contin.problems.contracts import DenseInOneParameter
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 Values = NDArray[np.complex128]
 
@@ -128,7 +127,7 @@ def paired(values: Values, errors: Array, is_map: bool) -> Values:
 class NeutralMarch(DenseMarch):
     """A dense problem, as the Python march takes it, whose pairs of eigenvalues are exact."""
 
-    problem: EquilibriumProblem
+    problem: AlgebraicEquations
     scale: Array
 
     def stability(self, z: Array) -> tuple[Array, int, Values]:
@@ -168,7 +167,7 @@ def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) 
     return _words(fewest, problem.is_map)
 
 
-def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array, seen: Values) -> Sequence[str]:
+def remarks_on_orbits(problem: FamilyOfOrbits, z: Array, seen: Values) -> Sequence[str]:
     """The same of the multipliers of a family of orbits (rows z, padded with NaN).
 
     seen (rows, k) : multipliers from factors of orbits nearby, which tell families without such pairs.

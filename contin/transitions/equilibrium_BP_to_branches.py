@@ -38,12 +38,12 @@ def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
-    local = problem.scaled(point.scale)
+    local = ScaledSystem(problem, point.scale)
     y = point.z / point.scale
     anchor = scaled_own(point, point.scale)
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
-        local, own, anchor = problem.scaled(point.scale), np.zeros_like(own), None
+        local, own, anchor = ScaledSystem(problem, point.scale), np.zeros_like(own), None
     kernel = int(point.vectors.get("kernel", 1))
     outsets = None
     if is_degenerate(point):

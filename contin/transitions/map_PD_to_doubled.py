@@ -14,6 +14,7 @@ from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.equilibria.normal_forms import jet_at
+from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.maps.cycle import HALF_PERIOD, lifted
 from contin.systems.iterate import iterate
 from contin.transitions.equilibrium_BP_to_branches import crossing_branches, renewed_metric
@@ -33,7 +34,7 @@ def doubled(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) ->
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
     born = replace(problem, system=iterate(problem.system, 2))
-    local = born.scaled(point.scale)
+    local = ScaledSystem(born, point.scale)
     try:
         predictor = flip_predictor(jet_at(problem, point.z))
     except ZeroDivisionError:

@@ -13,7 +13,7 @@ from contin.continuation.settings import Settings
 from contin.problems.equilibria.on_surface import STEP, at_height, far, on_surface
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 AHEAD = 1e-2  # how far ahead of the last point (arclength) a surface is looked for
 PASSED = -1e-4  # ... and how far behind it: Newton's last step may have crossed it unseen
@@ -25,7 +25,7 @@ ON_ITS_ARM = 1e-7  # (scaled) distance of a row from the curve of its own side
 VERTICAL = 1e-12  # a smaller part of the parameter in a (scaled) tangent is rounding, and so is its sign
 
 
-def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
+def verify_corner(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
     """A fold at a corner between a and b: f = 0 on the switching surface, with the parameter turning there.
 
     a and b are so close that only a switching function can separate them. None where no switching function changes sign
@@ -55,7 +55,7 @@ def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fram
     return None
 
 
-def one_corner_a_step(problem: EquilibriumProblem, chunk: Chunk, scale: Array) -> Chunk:
+def one_corner_a_step(problem: AlgebraicEquations, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to the first step that crosses two switching surfaces, with a shorter step to go on with.
 
     Also before a row that is past a surface by rounding alone.
@@ -80,7 +80,7 @@ def one_corner_a_step(problem: EquilibriumProblem, chunk: Chunk, scale: Array) -
     return chunk
 
 
-def _off_its_arm(problem: EquilibriumProblem, z: Array, scale: Array) -> bool:
+def _off_its_arm(problem: AlgebraicEquations, z: Array, scale: Array) -> bool:
     """True for a row that solves the equations of the other side of a surface, which it has passed by rounding.
 
     Where those leave the surface like a root, their slope is so large that such a row is on the curve to its tolerance.
@@ -91,7 +91,7 @@ def _off_its_arm(problem: EquilibriumProblem, z: Array, scale: Array) -> bool:
 
 
 def cross_corner(
-    problem: EquilibriumProblem, last: Sample, frame: Frame, settings: Settings
+    problem: AlgebraicEquations, last: Sample, frame: Frame, settings: Settings
 ) -> tuple[Sample, Verified | None] | None:
     """Past a corner that turns the branch so sharply that no step along its tangent meets it again.
 

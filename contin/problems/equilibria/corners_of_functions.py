@@ -18,7 +18,7 @@ from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 BESIDE: Final = 3e-5  # distance from the corner (scaled) at which either formula is looked at
 KINK: Final = 1e-3  # relative change of the Jacobian across that distance that only a corner makes
@@ -39,12 +39,12 @@ class Bend:
     beyond: Array
 
 
-def unnamed_corner(problem: EquilibriumProblem, last: Sample, frame: Frame) -> Bend | None:
+def unnamed_corner(problem: AlgebraicEquations, last: Sample, frame: Frame) -> Bend | None:
     """The corner near `last`, ahead or behind; None where there is none, or several surfaces meet."""
     return _searched(problem, last, frame, BESIDE) or _searched(problem, last, frame, FURTHER)
 
 
-def _searched(problem: EquilibriumProblem, last: Sample, frame: Frame, first: float) -> Bend | None:
+def _searched(problem: AlgebraicEquations, last: Sample, frame: Frame, first: float) -> Bend | None:
     """The corner, looked for at the distance `first`, and then at BESIDE."""
     scale = frame.scale
     n = len(scale) - 1
@@ -91,7 +91,7 @@ def _searched(problem: EquilibriumProblem, last: Sample, frame: Frame, first: fl
 
 
 def cross_unnamed_corner(
-    problem: EquilibriumProblem, last: Sample, frame: Frame, settings: Settings
+    problem: AlgebraicEquations, last: Sample, frame: Frame, settings: Settings
 ) -> tuple[Sample, Corner] | None:
     """A point just beyond the corner near `last`, and the corner."""
     bend = unnamed_corner(problem, last, frame)

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from contin.abi import Array, Vector
 from contin.problems.one_parameter import InOneParameterProblem
+from contin.problems.surfaces.sliding import Sliding
 from contin.systems.functions.function_system import FunctionSystem
 
 
 @dataclass(frozen=True, eq=False)
 class AlgebraicEquations(InOneParameterProblem):
     """F(u, p) = f(u, p) = 0 (flow) or f(u, p) - u = 0 (map), one parameter free."""
+
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))
+    sliding: Sliding | None = None  # of pseudo-equilibria: the surface that they lie on
+
+    def __post_init__(self) -> None:
+        if self.angle_periods.size == 0:
+            object.__setattr__(self, "angle_periods", np.zeros(self.system.n))
 
     @cached_property
     def is_map(self) -> bool:

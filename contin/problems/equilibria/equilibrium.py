@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +45,6 @@ from contin.problems.equilibria.tangent_branches import beyond
 from contin.problems.neutral_pairs import NeutralMarch, is_neutral
 from contin.problems.neutral_pairs import remarks as neutral_remarks
 from contin.problems.surfaces import boundary
-from contin.problems.surfaces.sliding import Sliding
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 from contin.simulate.natural import guessed_note
@@ -54,9 +52,6 @@ from contin.simulate.reach import has_reach, is_constrained, left_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.translations import translation_notes
 from contin.systems.iterate import IteratedSystem
-
-if TYPE_CHECKING:
-    pass
 
 ON_FLOOR = 1e-9  # scaled: how near to a value at which the equations have none Newton's method comes
 
@@ -69,15 +64,8 @@ class EquilibriumProblem(AlgebraicEquations):
     kernels get must not outlive it.
     """
 
-    angle_periods: Array = field(default_factory=lambda: np.zeros(0))
-    sliding: Sliding | None = None  # of pseudo-equilibria: the surface that they lie on
-
     locus = None
     parts_touching = True
-
-    def __post_init__(self) -> None:
-        if self.angle_periods.size == 0:
-            object.__setattr__(self, "angle_periods", np.zeros(self.system.n))
 
     @cached_property
     def kind(self) -> str:
@@ -116,10 +104,6 @@ class EquilibriumProblem(AlgebraicEquations):
         """True where a surface on which the equations jump lies between a and b: no branch leads across."""
         return bool(self.system.n_switches) and boundary.separated(self, a, b)
 
-    def scaled(self, scale: Array) -> ScaledSystem:
-        """The same equations in unknowns z / scale."""
-        return ScaledSystem(self, scale)
-
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
@@ -152,7 +136,7 @@ class EquilibriumProblem(AlgebraicEquations):
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         if not np.all(np.isfinite(self.linearise(z)[1])):
             raise NotFiniteError(f"no branch passes here: {self.describe_failure(z)}")
-        return special_points.branch_tangents(self.scaled(scale), z / scale)
+        return special_points.branch_tangents(ScaledSystem(self, scale), z / scale)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,

@@ -16,20 +16,20 @@ from contin.machine import elementary
 from contin.problems.equilibria.kernel_memory import memory_of
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 _NO_TANGENT: Final = np.empty(0)
 NO_GROWTH: Final = -1.0  # in place of an angle's period: a state whose size does not matter
 TURN: Final = 0.01  # scaled: see `trust`
 
 
-def trust(problem: EquilibriumProblem) -> float:
+def trust(problem: AlgebraicEquations) -> float:
     """See `kernels.algebraic.correct`."""
     return 0.0 if problem.system.n_switches else TURN
 
 
 def march(
-    problem: EquilibriumProblem, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float,
+    problem: AlgebraicEquations, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float,
     limit: int, bounds: tuple[float, float], settings: Settings, loop: Sample | None,
 ) -> Chunk:  # fmt: skip
     """See `contin.continuation.problem.Problem.march`."""
@@ -66,7 +66,7 @@ def march(
 
 
 def points_between(
-    problem: EquilibriumProblem, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float],
+    problem: AlgebraicEquations, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float],
     fractions: Sequence[float], frame: Frame, settings: Settings,
 ) -> Sequence[Sample | None]:  # fmt: skip
     """See `contin.continuation.problem.Problem.points_between`."""
@@ -84,7 +84,7 @@ def points_between(
 
 
 def probes(
-    problem: EquilibriumProblem, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    problem: AlgebraicEquations, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
 ) -> Sequence[Sample | None]:
     """Points at several lengths from `base`, from the rows of `guesses`, in one kernel call."""
     shape = len(lengths), problem.n

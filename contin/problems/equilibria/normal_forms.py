@@ -23,7 +23,7 @@ from contin.problems.equilibria.branching import degenerate
 from contin.problems.equilibria.branching.rotated import turning_kernel
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 
 SEVERAL_PAIRS = (
@@ -32,14 +32,14 @@ SEVERAL_PAIRS = (
 )
 
 
-def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) -> DerivativeJet:
+def jet_at(problem: AlgebraicEquations, z: Array, scale: Array | None = None) -> DerivativeJet:
     """Derivatives at z of f in the states and the varying parameter, in the user's units."""
     u, p = z[: problem.n], problem.full_parameters(z)
     kind: Kind = "map" if problem.is_map else "flow"
     return jet_of(problem.linear_part(z), problem.system, u, p, [problem.active], kind, scale)
 
 
-def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
+def with_normal_form(problem: AlgebraicEquations, point: Verified, scale: Array) -> Verified:
     """The point with FORMATS' coefficients, their errors and its vectors; what cannot be computed is a remark."""
     try:
         form = _normal_form(problem, point, scale)
@@ -59,7 +59,7 @@ def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array)
     return degenerate.described(problem, described, scale) if degenerate.is_degenerate(described) else described
 
 
-def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) -> NormalForm | None:
+def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) -> NormalForm | None:
     kernel, scale = int(point.vectors.get("kernel", 1)), metric[:-1]
     units = unit_mass(problem.system)
     if point.type == "BP" and kernel > 1:

@@ -12,7 +12,7 @@ from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 BUDGET = 30
 HEIGHTS = (1.0, 1e-2, 1e-4, 1e-6, 1e-8)  # ... of that, above a surface that the branch leaves like a root
@@ -21,7 +21,7 @@ STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
 def on_surface(
-    problem: EquilibriumProblem, k: int, z: Array, side: Sample, frame: Frame
+    problem: AlgebraicEquations, k: int, z: Array, side: Sample, frame: Frame
 ) -> tuple[Array, float, float] | None:
     """Newton on F = 0, h_k = 0 with the Jacobian of one side."""
     n, scale = problem.n, frame.scale
@@ -67,7 +67,7 @@ def on_surface(
     return z, float(np.max(np.abs(right))), error
 
 
-def _from_the_smoother_side(problem: EquilibriumProblem, z: Array, gradient: Array) -> tuple[Array, Array]:
+def _from_the_smoother_side(problem: AlgebraicEquations, z: Array, gradient: Array) -> tuple[Array, Array]:
     """F just beside a corner, on the side where the next rounding errors of z change it less, and by how much.
 
     A formula that leaves the surface like sqrt(h) is off by the root of a rounding error where z is on the surface.
@@ -81,7 +81,7 @@ def _from_the_smoother_side(problem: EquilibriumProblem, z: Array, gradient: Arr
 
 
 def at_height(
-    problem: EquilibriumProblem, k: int, corner: Array, sense: float, behind: float, frame: Frame, settings: Settings
+    problem: AlgebraicEquations, k: int, corner: Array, sense: float, behind: float, frame: Frame, settings: Settings
 ) -> Sample | None:
     """A point behind a corner by its height above the surface, where the formula leaves that like a root of the height.
 

@@ -17,7 +17,7 @@ from contin.machine.elementary import log
 from contin.problems.equilibria.defining import generic
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 BESIDE: Final = 1e-2  # scaled
 ALIKE: Final = 0.9  # correlation of the rates' logarithms at a point and around it
@@ -28,7 +28,7 @@ FAR_APART: Final = 100.0  # ratio of the rows' sizes from which equations are di
 class ScaledSystem:
     """`Local` view of a problem for `contin.problems.equilibria.defining`."""
 
-    problem: EquilibriumProblem
+    problem: AlgebraicEquations
     scale: Array
     rates: Array | None = None
 

@@ -22,7 +22,7 @@ from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.neutral_pairs import errors_of, is_suspect
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
 CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
@@ -65,11 +65,11 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
     return None
 
 
-def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: AlgebraicEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """Solve the defining system of a simple event; NOTHING where there is nothing to report."""
     frame, tangent = _balanced_frame(problem, near, frame)
     y = near.z / frame.scale
-    local = problem.scaled(frame.scale).rated(y)
+    local = ScaledSystem(problem, frame.scale).rated(y)
     if type_ == "LP":
         return _fold(problem, local, y, frame)
     if type_ == "BP":
@@ -86,12 +86,12 @@ def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) 
     return _oscillatory(problem, local, y, frame, pair, tangent)
 
 
-def _balanced_frame(problem: EquilibriumProblem, sample: Sample, frame: Frame) -> tuple[Frame, Array]:
+def _balanced_frame(problem: AlgebraicEquations, sample: Sample, frame: Frame) -> tuple[Frame, Array]:
     """The metric in which F_u at the sample is balanced, and the sample's unit tangent in it.
 
     Defining systems are solved there, so that a badly guessed scale of a state costs no accuracy.
     """
-    local, y = problem.scaled(frame.scale), sample.z / frame.scale
+    local, y = ScaledSystem(problem, frame.scale), sample.z / frame.scale
     jacobians = local.linearised(np.array([y, y + BESIDE * sample.tangent]))[1]  # at the point couplings may vanish
     if not np.isfinite(jacobians).all():
         return frame, sample.tangent
@@ -100,7 +100,7 @@ def _balanced_frame(problem: EquilibriumProblem, sample: Sample, frame: Frame) -
     return Frame(frame.scale * units, frame.reference), tangent / np.linalg.norm(tangent)
 
 
-def _fold(problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame) -> Outcome:
+def _fold(problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame) -> Outcome:
     """A fold, unless its error does not tell it from a branch point: there its defining system has a solution too."""
     solved = defining.fold(local, y)
     if solved is not None and solved.error > UNSURE:
@@ -113,7 +113,7 @@ def _fold(problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Fra
 
 
 def _opposite_zeros(
-    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, tangent: Array
+    problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, tangent: Array
 ) -> Outcome:
     """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
     here, there = _singular_values(*(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
@@ -136,7 +136,7 @@ def nearest_pair(values: Vector, is_map: bool) -> complex | None:
 
 
 def _oscillatory(
-    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array,
+    problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array,
     corank: int = 1
 ) -> Outcome:  # fmt: skip
     """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w)); corank pairs may coincide."""
@@ -222,7 +222,7 @@ def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: 
 
 
 def _critical_throughout(
-    problem: EquilibriumProblem, local: ScaledSystem, y: Array, pair: complex, tangent: Array, count: int
+    problem: AlgebraicEquations, local: ScaledSystem, y: Array, pair: complex, tangent: Array, count: int
 ) -> bool:
     """True where `count` pairs stay on the stability boundary along the branch: centres of a conservative system."""
     beside = _beside(local, y, tangent)
@@ -236,7 +236,7 @@ def _critical_throughout(
 
 
 def _branch_point(
-    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
+    problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
 ) -> Outcome:
     solved = defining.branch_point(local, y, corank)
     if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # with borders of its own
@@ -272,7 +272,7 @@ def _turns_on_all(local: ScaledSystem, y: Array, tangent: Array) -> bool:
     return bool(here[-2] < SINGULAR * max(float(here[0]), float(beside[0])))
 
 
-def _real_critical(problem: EquilibriumProblem, flow_value: float) -> Critical:
+def _real_critical(problem: AlgebraicEquations, flow_value: float) -> Critical:
     target = flow_value if flow_value != 0.0 else (1.0 if problem.is_map else 0.0)
     return lambda values: [int(np.argmin(np.abs(values - target)))]
 
@@ -286,7 +286,7 @@ def _nearest(values: Vector, targets: Sequence[complex]) -> list[int]:
 
 
 def _accept(
-    problem: EquilibriumProblem, type_: str, frame: Frame, solved: Solved | None, critical: Critical
+    problem: AlgebraicEquations, type_: str, frame: Frame, solved: Solved | None, critical: Critical
 ) -> Outcome:
     """Turn a solution of a defining system into a point in the user's units."""
     if solved is None:
@@ -311,16 +311,16 @@ def _accept(
     return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)
 
 
-def eigenvalues_of(problem: EquilibriumProblem, z: Array) -> Vector:
+def eigenvalues_of(problem: AlgebraicEquations, z: Array) -> Vector:
     """Eigenvalues of f_u at z, by falling real part."""
     return spectrum(problem.linear_part(z))[0]
 
 
-def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
+def verify_compound(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Everything that happens at one place: folds, branch points of any corank, several pairs."""
     frame, tangent = _balanced_frame(problem, a, frame)
     y = 0.5 * (a.z + b.z) / frame.scale
-    local = problem.scaled(frame.scale).rated(y)
+    local = ScaledSystem(problem, frame.scale).rated(y)
     found: list[Outcome] = []
     _, jacobian = local.linearise(y)
     _, beside = local.linearise(y + BESIDE * tangent)
@@ -348,7 +348,7 @@ def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fr
 
 
 def _multiple(
-    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
+    problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
 ) -> Verified | None:
     """A branch point at which this many eigenvalues vanish together, as near to y as they are to zero there."""
     found = _branch_point(problem, local, y, frame, corank, tangent)

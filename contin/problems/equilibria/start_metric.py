@@ -12,10 +12,10 @@ from contin.problems.scales import bending_lengths, parameter_width, state_scale
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, pure_derivatives, sizes_of
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 
-def scales_at(problem: EquilibriumProblem, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
+def scales_at(problem: AlgebraicEquations, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
     """Sizes of the states (n,), which of them are a mere 1, and the scale of the parameter."""
     width = parameter_width(problem.system.model, problem.parameters[0], float(z[-1]), bounds)
     jacobian = problem.linearise(z)[1]
@@ -29,13 +29,13 @@ def scales_at(problem: EquilibriumProblem, z: Array, bounds: tuple[float, float]
     return states, unknown, width
 
 
-def _second_derivatives(problem: EquilibriumProblem, z: Array) -> Array:
+def _second_derivatives(problem: AlgebraicEquations, z: Array) -> Array:
     """d^2 F_k / d u_i^2, (n, n)."""
     directions = np.eye(problem.n, problem.n + 1)
     return np.column_stack([problem.hessian(z, directions[i])[:, i] for i in range(problem.n)])
 
 
-def _growth(problem: EquilibriumProblem, z: Array, jacobian: Array, width: float) -> tuple[Array, Array]:
+def _growth(problem: AlgebraicEquations, z: Array, jacobian: Array, width: float) -> tuple[Array, Array]:
     """`growth_lengths` at rest, (n,), with slopes as large as they become; and second derivatives (n, n)."""
     n, p = problem.n, problem.full_parameters(z)
     by_parameter = problem.hessian(z, np.eye(1, n + 1, n)[0])[:, :n]

@@ -11,10 +11,10 @@ from contin.continuation.settings import Settings
 from contin.problems.equilibria.branching.degenerate import fan_at, scaled_own
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 
-def beyond(problem: EquilibriumProblem, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
+def beyond(problem: AlgebraicEquations, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
     """A point of the branch on the other half than its anchor `beside`, its tangent leading away."""
     own = scaled_own(point, frame.scale)
     found = None if own is None else fan_at(problem, point.z, frame.scale, int(point.vectors.get("kernel", 1)))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,96 +14,40 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
 from contin.continuation.settings import Settings
-from contin.kernels.collocation import Equations
-from contin.kernels.collocation_basis import basis
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold
 from contin.problems.orbits.ends.multiply_traversed import cut_where_traversed
 from contin.problems.orbits.ends.vertical import remarks, stands_at_birth, width_at_birth
-from contin.problems.orbits.family import FamilyOfOrbits
-from contin.problems.orbits.forcing_period import ForcingPeriod
 from contin.problems.orbits.linearised.linear import branch_tangents
 from contin.problems.orbits.march import in_kernel
 from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.measured.columns import names_of, norms, orbit_columns, periods, with_observables
-from contin.problems.orbits.measured.measures import Measures, standard_columns
+from contin.problems.orbits.measured.measures import standard_columns
 from contin.problems.orbits.mesh.adaption import estimate
-from contin.problems.orbits.mesh.layout import Profile, make_scale, profile_of, sizes_of
-from contin.problems.orbits.mesh.sizes import state_sizes
+from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.normal_forms.eigenfunctions import eigenfunctions
+from contin.problems.orbits.orbit_equations import OrbitEquations
 from contin.problems.orbits.renewal import renew
 from contin.problems.orbits.special_orbits.events import explain, verify, verify_compound
 from contin.problems.orbits.symmetric.shifted_in_time import apart, cut_at_start, in_phase
 from contin.problems.orbits.symmetric.symmetry import orbits_moved, reverses
 
-MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 EXACT = 1e-12  # tolerance where the parameter is fixed
-CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitProblem(FamilyOfOrbits):
-    """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbits.mesh.layout`.
-
-    points : Gauss points an interval.  intervals : fixed number of mesh intervals, or None.  multiple : forcing periods
-    in one orbit of a forced system.
-    """
-
-    points: int = 4
-    intervals: int | None = None
-    multiple: int = 1
-    tolerance: float = MESH_TOLERANCE
-    forcing: ForcingPeriod | None = None
-    origin: tuple[float, Array] | None = None  # parameter and period, states of the Hopf point it was born at
-    angle_periods: Array = field(default_factory=lambda: np.zeros(0))  # the engine's wrapping is not used
-    measures: Measures | None = None  # columns that are asked for beside those of every family
-
-    def __post_init__(self) -> None:
-        if self.system.is_forced and self.forcing is None:
-            object.__setattr__(self, "forcing", ForcingPeriod.of(self.system))
+class OrbitProblem(OrbitEquations):
+    """The equations of `OrbitEquations`, followed by the compiled march."""
 
     @property
     def maximum_chunk(self) -> int:
         return in_kernel.LONGEST_CHUNK
 
-    def profile(self, z: Array) -> Profile:
-        return profile_of(z, self.n, self.points)
-
-    @cached_property
-    def equations(self) -> Any:
-        """The kernels' view of the equations."""
-        scheme, forcing = basis(self.points), 0 if self.forcing is None else self.forcing.address
-        return Equations(
-            self.system.value_address, self.system.jacobian_address, forcing, self.multiple, self.n, self.points,
-            self.active, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights,
-            np.asarray(self.winding, dtype=float),
-        )  # fmt: skip
-
-    def sizes(self, z: Array, scale: Array) -> Array:
-        """The states' sizes (n,) in a metric that belongs to z's mesh."""
-        return sizes_of(scale, self.profile(z).h, self.n, self.points)
-
-    def period_place(self, z: Array) -> int:
-        return int(self.profile(z).u.size)
-
     @cached_property
     def width_at_birth(self) -> float:
         """Scale of the parameter of a family that was born at a Hopf point."""
         return width_at_birth(self)
-
-    @property
-    def resolution(self) -> float:
-        return self.tolerance
-
-    def is_constant(self, z: Array, scale: Array) -> bool:
-        """True where the orbit is an equilibrium."""
-        u = self.profile(z).u
-        return bool(np.all(np.ptp(u, axis=0) <= CONSTANT * self.sizes(z, scale))) and not self.winding.any()
-
-    def state_sizes(self, profile: Profile) -> Array:
-        """Typical size of every state on an orbit, (n,)."""
-        return state_sizes(self, profile)
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 

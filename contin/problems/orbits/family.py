@@ -143,6 +143,10 @@ class FamilyOfOrbits(Problem):
         """Relative error of the orbits: below it two of them are not told apart."""
 
     @abstractmethod
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
+
+    @abstractmethod
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """See `contin.continuation.problem.Problem.probe`."""
 

@@ -16,15 +16,15 @@ from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.mesh.move import Move
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
     from contin.problems.orbits.mesh.adaptive_problem import Meshed
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
 TOO_FINE = 0.55  # part of the present number of intervals below which the mesh is made coarser
 
 
 def renew(
-    problem: OrbitProblem, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    problem: OrbitEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
 ) -> Renewal:
     """Metric and mesh for the next chunk, or the end of the branch."""
     found = ending(problem, origin, before, frame)

@@ -19,7 +19,7 @@ from contin.problems.shooting.linear import embedded, family_tangents, null_spac
 from contin.problems.shooting.locate import SETTLED, Located, locate, on_curve, scalar, scale_of
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 APART = (1e-2, 2.5e-3, 6e-4, 1.5e-4)  # arclengths between the orbits that a branch point is interpolated from
 AGREED = 1e-8  # (arclength) places interpolated from two of them that agree so well are final
@@ -29,7 +29,7 @@ NEWTON = 30
 
 
 def locate_branch_point(
-    problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array
+    problem: ShotEquations, type_: str, z: Array, tangent: Array, scale: Array
 ) -> Located | Rejected:
     """As `_interpolated`, from orbits as far away as they exist, then nearer ones until the place stays the same.
 
@@ -60,7 +60,7 @@ def locate_branch_point(
 
 
 def _interpolated(
-    problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array, apart: float
+    problem: ShotEquations, type_: str, z: Array, tangent: Array, scale: Array, apart: float
 ) -> Located | Rejected:
     """The branch point on the family through z, by interpolation between orbits at a distance from it.
 
@@ -91,7 +91,7 @@ def _interpolated(
     return Rejected("the orbit is lost") if refined is None else Located(refined[0], refined[2])
 
 
-def _beside(problem: ShootingProblem, base: Array, t: Array, s: float, scale: Array) -> Array | Failure:
+def _beside(problem: ShotEquations, base: Array, t: Array, s: float, scale: Array) -> Array | Failure:
     """The orbit at arclength s from base along t, by Newton until rounding: near the point that is not very small.
 
     On a piecewise linear map (two oscillators that cross a surface together, in either order) Newton's steps may shrink
@@ -119,7 +119,7 @@ def _beside(problem: ShootingProblem, base: Array, t: Array, s: float, scale: Ar
     return Failure.NO_CONVERGENCE
 
 
-def _direction(problem: ShootingProblem, z: Array, tangent: Array, scale: Array, apart: float) -> Array | None:
+def _direction(problem: ShotEquations, z: Array, tangent: Array, scale: Array, apart: float) -> Array | None:
     """A tangent of a family through the branch point near z: `tangent`, or the direction that changes p the most."""
     plane = null_space(problem, z, scale)
     if plane is None:

@@ -19,7 +19,7 @@ from contin.problems.shooting.linear import embedded, null_space
 from contin.problems.shooting.signature import signature
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)  # (arclength) how far ahead another sequence of crossings is looked for
 BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is taken up again
@@ -28,7 +28,7 @@ BACK = 1e-3  # (arclength) how far before it the search for a corner begins
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
 
-def verify_corner(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
+def verify_corner(problem: ShotEquations, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
     """A fold at a corner between a and b, which are very close; None where they cross the same surfaces."""
     if not problem.system.n_switches:
         return None
@@ -42,7 +42,7 @@ def verify_corner(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) 
     return Jump(JUMPS) if a.unstable != b.unstable else NOTHING
 
 
-def at_corner(problem: ShootingProblem, z: Array, tangent: Array, scale: Array) -> bool:
+def at_corner(problem: ShotEquations, z: Array, tangent: Array, scale: Array) -> bool:
     """True where the sequence of crossings changes just ahead or behind: multipliers measured here mean nothing."""
     here = signature(problem, z)
     raw = np.where(tangent == 0.0, 0.0, tangent * scale)
@@ -60,7 +60,7 @@ def _beyond_one(sample: Sample) -> int:
 
 
 def cross_corner(
-    problem: ShootingProblem, last: Sample, frame: Frame, settings: Settings
+    problem: ShotEquations, last: Sample, frame: Frame, settings: Settings
 ) -> tuple[Sample, Verified | None] | None:
     """Past a corner at which the family turns so sharply that no step along its tangent meets it again.
 
@@ -104,7 +104,7 @@ def cross_corner(
 
 
 def _locate(
-    problem: ShootingProblem, side: Sample, here: tuple[int, ...], frame: Frame, other: Sample | None
+    problem: ShotEquations, side: Sample, here: tuple[int, ...], frame: Frame, other: Sample | None
 ) -> tuple[Array, float]:
     """The last orbit with the crossings `here`, and how closely it is known (arclength).
 
@@ -134,7 +134,7 @@ def _locate(
     return at, high - low
 
 
-def _fold(problem: ShootingProblem, z: Array, side: Sample, unstable: int, width: float, frame: Frame) -> Verified:
+def _fold(problem: ShotEquations, z: Array, side: Sample, unstable: int, width: float, frame: Frame) -> Verified:
     segments = problem.segments(z)
     # where solutions slide beyond the surface the orbit is extrapolated, and its trajectory may not come to its end
     residual = width if segments is None else float(np.linalg.norm(segments.scaled(frame.scale)[0]))

@@ -21,7 +21,7 @@ from contin.problems.shooting.sampling import flights, states
 from contin.records import Fields, Record
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 DISTANCES = (1e-3, 3e-3, 3e-4, 1e-2)  # (arclength) at which the crossing family is looked for
 SHARP = 1.0  # change of direction within that distance above which it is too far
@@ -34,13 +34,13 @@ OFF = 0.05  # sine of the angle to the family's own tangent below which the orbi
 class Crossing:
     """One half of a family at a branch point: unit direction, curvature (scaled), and one of its orbits."""
 
-    problem: ShootingProblem  # of its orbits, with the symmetries they have left
+    problem: ShotEquations  # of its orbits, with the symmetries they have left
     direction: Array
     curvature: Array
     orbit: Array
 
 
-def crossing(problem: ShootingProblem, z: Array, own: Array, scale: Array, sense: int) -> Crossing | None:
+def crossing(problem: ShotEquations, z: Array, own: Array, scale: Array, sense: int) -> Crossing | None:
     """The family that crosses at z, on one side of the null vector normal to `own`; None where none is found.
 
     Two of its orbits, at distances d and d/2, give the direction and the curvature.
@@ -67,7 +67,7 @@ def crossing(problem: ShootingProblem, z: Array, own: Array, scale: Array, sense
 
 
 def _orbit_across(
-    problem: ShootingProblem, z: Array, own: Array, across: Array, scale: Array, length: float
+    problem: ShotEquations, z: Array, own: Array, across: Array, scale: Array, length: float
 ) -> Array | None:
     """Scaled offset of the orbit at this length along `across`, which is not one of the family along `own`."""
     found = generic.correct(problem, z, across, length, length * across, scale, 1e-10)
@@ -78,7 +78,7 @@ def _orbit_across(
     return found.y if off > OFF * size and abs(length) > OFF * size else None
 
 
-def begins(problem: ShootingProblem, z: Array, scale: Array) -> tuple[float, ...]:
+def begins(problem: ShotEquations, z: Array, scale: Array) -> tuple[float, ...]:
     """Parameters at which the two halves of the family that crosses at z begin; () where they do so at z itself.
 
     Where three or more cells cross a surface together, the derivative of the return map depends on their order: it is
@@ -111,7 +111,7 @@ def _normal_part(plane: Any, own: Array) -> Array:
     return np.asarray(across / size) if size > 1e-6 else np.asarray(second)
 
 
-def side_of_branch(problem: ShootingProblem, z: Array, scale: Array) -> Record:
+def side_of_branch(problem: ShotEquations, z: Array, scale: Array) -> Record:
     """{kind, side}: pitchfork or transcritical, nonsmooth where the orbit has corners, and where the new orbits lie."""
     plane = family_tangents(problem, z, scale)
     if len(plane) < 2:
@@ -135,7 +135,7 @@ def side_of_branch(problem: ShootingProblem, z: Array, scale: Array) -> Record:
     return form
 
 
-def image_of(problem: ShootingProblem, a: Array, b: Array) -> str | None:
+def image_of(problem: ShotEquations, a: Array, b: Array) -> str | None:
     """The declared symmetry that maps one orbit (as a set) onto the other."""
     times = np.linspace(0.0, 1.0, 65)[:-1]
     u, v = states(problem, a, times), states(problem, b, times)

@@ -16,11 +16,11 @@ from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 
 def eigenfunctions(
-    problem: ShootingProblem, z: Array, multipliers: NDArray[np.complex128]
+    problem: ShotEquations, z: Array, multipliers: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """(k, times, n) at the times of `problem.profile`; they jump where a surface is crossed (saltation)."""
     n, nodes = problem.n, Nodes.of(z, problem.n)

@@ -19,19 +19,19 @@ from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 TINY: Final = 0.02  # amplitude, relative to the states' sizes, of an orbit that has shrunk
 LARGER: Final = (1.0, 1.5, 2.0, 2.5)  # amplitudes of the orbits that are extrapolated from
 AT_REST: Final = 0.05  # speed at the equilibrium, relative to that of the smallest orbit
 
 
-def has_shrunk(problem: ShootingProblem, z: Array, scale: Array) -> bool:
+def has_shrunk(problem: ShotEquations, z: Array, scale: Array) -> bool:
     """True for an orbit so small that its family passes through amplitude zero here."""
     return bool(problem.system.n_switches and problem.autonomous and _extent(problem, z, scale) < TINY)
 
 
-def at_rest(problem: ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+def at_rest(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
     """The end of a family at amplitude zero; None where it does not close on an equilibrium."""
     if not has_shrunk(problem, origin.z, frame.scale):
         return None
@@ -74,11 +74,11 @@ def at_rest(problem: ShootingProblem, origin: Sample, before: Sample, frame: Fra
     )
 
 
-def _extent(problem: ShootingProblem, z: Array, scale: Array) -> float:
+def _extent(problem: ShotEquations, z: Array, scale: Array) -> float:
     return float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, scale)))
 
 
-def _extent_ahead(problem: ShootingProblem, origin: Sample, frame: Frame, s: float) -> float:
+def _extent_ahead(problem: ShotEquations, origin: Sample, frame: Frame, s: float) -> float:
     raw = np.where(origin.tangent == 0.0, 0.0, origin.tangent * frame.scale)
     found = problem.probe(origin, s, origin.z + s * raw, frame, Settings())
     return np.inf if found is None else _extent(problem, found.z, frame.scale)

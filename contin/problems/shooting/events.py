@@ -20,7 +20,7 @@ from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 RESIDUAL_LIMIT = 1e-8
@@ -29,7 +29,7 @@ REAL = 1e-4  # imaginary part of multipliers that are real and equal but for rou
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
-def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: ShotEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The special orbit next to a sample; a string says why there is none, '' that there is nothing to report."""
     if type_ == "neutral":
         pair = nearest_pair(nontrivial(problem, near.eigenvalues), True)
@@ -76,13 +76,13 @@ def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> 
     return _with_normal_form(problem, point, frame.scale)
 
 
-def _repeats(problem: ShootingProblem, sample: Sample) -> bool:
+def _repeats(problem: ShotEquations, sample: Sample) -> bool:
     """True where the pair nearest to the unit circle is one real multiplier near 1 that symmetries repeat."""
     pair = nearest_pair(nontrivial(problem, sample.eigenvalues), True)
     return problem.fixed is not None and pair is not None and abs(pair - 1.0) < UNCLEAR and abs(pair.imag) < REAL
 
 
-def verify_compound(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
+def verify_compound(problem: ShotEquations, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Outcome] = []
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
@@ -98,7 +98,7 @@ def verify_compound(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame
     return found
 
 
-def _with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) -> Verified:
+def _with_normal_form(problem: ShotEquations, point: Verified, scale: Array) -> Verified:
     """The coefficient; of a branch point: does the flow have corners on the orbit, and on which side do
     the new orbits lie?"""
     if point.type != "BPC":

@@ -20,7 +20,7 @@ from contin.problems.symmetry import symmetry_names
 from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 KEPT: Final = 1e-7  # distance from its image, relative to the orbit's largest state, up to which a point is kept
 LINEAR: Final = 1e-12  # relative: a symmetry is a matrix to this
@@ -47,7 +47,7 @@ class FixedSpace:
         return np.asarray(p @ matrix @ p + q @ matrix @ q)
 
 
-def fixed_space(problem: ShootingProblem, u: Array, p: Array) -> FixedSpace | None:
+def fixed_space(problem: FamilyOfOrbits, u: Array, p: Array) -> FixedSpace | None:
     """Of the declared symmetries (and their products) that keep all states u (K, n); None where none does."""
     largest = float(np.abs(u).max())
     matrices = []
@@ -65,7 +65,7 @@ def fixed_space(problem: ShootingProblem, u: Array, p: Array) -> FixedSpace | No
     return FixedSpace(tuple(matrices), mean)
 
 
-def matrix_of(problem: ShootingProblem, name: str, u: Array, p: Array) -> Array | None:
+def matrix_of(problem: FamilyOfOrbits, name: str, u: Array, p: Array) -> Array | None:
     """A symmetry as a matrix, None where it is none: it shifts states or is not linear."""
     n = problem.n
     sizes = np.maximum(np.abs(u).max(axis=0), 1e-300)

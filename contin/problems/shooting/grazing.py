@@ -19,7 +19,7 @@ from contin.problems.shooting.sampling import crossings, states
 from contin.problems.shooting.signature import signature
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 SAMPLES: Final = 400
 FINER: Final = 33
@@ -33,7 +33,7 @@ FAR: Final = 0.05  # (arclength) the corner is not that far from the samples bes
 
 
 def grazing(
-    problem: ShootingProblem, near: Sample, arm: tuple[int, ...], other: tuple[int, ...], frame: Frame
+    problem: ShotEquations, near: Sample, arm: tuple[int, ...], other: tuple[int, ...], frame: Frame
 ) -> tuple[Array, float] | None:
     """(z, error in arclength) of the orbit that touches a surface, next to a sample of the arm with fewer crossings."""
     missing = sorted({j for j in other if other.count(j) > arm.count(j)})
@@ -49,7 +49,7 @@ def grazing(
 
 
 def _secant(
-    problem: ShootingProblem, base: Sample, sense: float, length: float, missing: list[int], arm: tuple[int, ...],
+    problem: ShotEquations, base: Sample, sense: float, length: float, missing: list[int], arm: tuple[int, ...],
     frame: Frame
 ) -> tuple[Array, float] | None:  # fmt: skip
     s0, e0, z0 = 0.0, clearance(problem, base.z, missing), base.z
@@ -77,7 +77,7 @@ def _secant(
     return None
 
 
-def _on_arm(problem: ShootingProblem, z: Array, step: Array, arm: tuple[int, ...]) -> Array:
+def _on_arm(problem: ShotEquations, z: Array, step: Array, arm: tuple[int, ...]) -> Array:
     """z + step, or a little less where rounding has taken that across the surface: there solutions may slide along it.
 
     The error that is stated covers the whole step.
@@ -92,7 +92,7 @@ def _raw(sample: Sample, frame: Frame) -> Array:
     return np.where(sample.tangent == 0.0, 0.0, sample.tangent * frame.scale)
 
 
-def clearance(problem: ShootingProblem, z: Array, surfaces: list[int]) -> float:
+def clearance(problem: ShotEquations, z: Array, surfaces: list[int]) -> float:
     """How close the orbit comes to one of these surfaces without crossing it: the smallest such |h|."""
     times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossings(problem, z))
     best = np.inf
@@ -117,7 +117,7 @@ def _bottom(a: float, b: float, c: float) -> float:
     return b - 0.125 * elementary.square(a - c) / bend if bend > 0.0 else b
 
 
-def surface(problem: ShootingProblem, z: Array, j: int, times: Array) -> Array:
+def surface(problem: ShotEquations, z: Array, j: int, times: Array) -> Array:
     """h_j at scaled times."""
     system = problem.system
     p, u = problem.full_parameters(z), states(problem, z, times)

@@ -18,16 +18,16 @@ from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes, make_scale
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 NEAR: Final = 0.1  # of the states' sizes: how far apart the halves of an orbit may be for the place to be looked for
 SAME: Final = 1e-6  # ... and are two passages of one orbit
 OPPOSITE: Final = 0.1  # relative: directions up to which two are opposite
 
-Verify = Callable[["ShootingProblem", str, Sample, Frame], Outcome]
+Verify = Callable[["ShotEquations", str, Sample, Frame], Outcome]
 
 
-def halving(problem: ShootingProblem, near: Sample, frame: Frame, verify: Verify) -> Verified | None:
+def halving(problem: ShotEquations, near: Sample, frame: Frame, verify: Verify) -> Verified | None:
     """The orbit next to a sample that is one of half the period, at its period doubling; None where there is none."""
     n, nodes = problem.n, Nodes.of(near.z, problem.n)
     half = nodes.count // 2
@@ -58,7 +58,7 @@ def halving(problem: ShootingProblem, near: Sample, frame: Frame, verify: Verify
     )  # fmt: skip
 
 
-def drives_halves_apart(problem: ShootingProblem, z: Array, tangent: Array) -> bool:
+def drives_halves_apart(problem: ShotEquations, z: Array, tangent: Array) -> bool:
     """True where the second half of the orbit z repeats the first, and the raw `tangent` moves them oppositely.
 
     A shift in time, which keeps the first node on its plane, is no difference.

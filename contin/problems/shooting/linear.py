@@ -17,7 +17,7 @@ from contin.problems.shooting.layout import moving
 from contin.problems.shooting.segments import Segments
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
 
 BROKEN = 1e-3  # part of a direction of a null space that the symmetries of the orbits keep, where they keep none of it
 SINGULAR = 1e-6  # a second singular value this small (relative) makes a point a branch point
@@ -89,7 +89,7 @@ def embedded(x: Array, positions: NDArray[np.intp], size: int) -> Array:
     return out
 
 
-def null_space(problem: ShootingProblem, z: Array, scale: Array) -> tuple[Segments, Array, Array] | None:
+def null_space(problem: ShotFamily, z: Array, scale: Array) -> tuple[Segments, Array, Array] | None:
     """Segments at z, singular values of the scaled Jacobian (descending) and right singular vectors (rows)."""
     segments = Segments.of(problem, z)
     if segments is None:
@@ -99,7 +99,7 @@ def null_space(problem: ShootingProblem, z: Array, scale: Array) -> tuple[Segmen
     return segments, values, vectors
 
 
-def family_tangents(problem: ShootingProblem, z: Array, scale: Array) -> Sequence[Array]:
+def family_tangents(problem: ShotFamily, z: Array, scale: Array) -> Sequence[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two directions of its plane.
 
     At a branch point the second is normal to the first; which directions really are tangents is found out by
@@ -141,7 +141,7 @@ def _broken(problem: Any, null: Array, positions: NDArray[np.intp], scale: Array
 
 
 def _symmetric_first(
-    problem: ShootingProblem, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array
+    problem: ShotFamily, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array
 ) -> list[Array]:
     """An orthonormal basis of the plane: the direction with the largest parameter part, then the one without any."""
     rates = plane[:, -1]

@@ -26,7 +26,7 @@ from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
@@ -68,7 +68,7 @@ def repeated(values: NDArray[np.complex128], target: complex) -> NDArray[np.bool
     return np.asarray(np.abs(values - nearest) <= ALIKE)
 
 
-def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | Rejected:
+def locate(problem: ShotEquations, type_: str, z: Array, tangent: Array, scale: Array) -> Located | Rejected:
     """Secant iteration in arclength on the curve, from z along `tangent` (scaled)."""
     base = z.copy()
 
@@ -101,7 +101,7 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
     return Located(best[0], best[2], error)
 
 
-def accuracy_of_equations(problem: ShootingProblem) -> float:
+def accuracy_of_equations(problem: ShotEquations) -> float:
     """Relative, of those that are approximations (averages by quadrature); 0 of exact ones."""
     return max((limit.accuracy for limit in problem.system.limits), default=0.0)
 
@@ -112,7 +112,7 @@ def scale_of(tangent: Array, scale: Array) -> Array:
 
 
 def on_curve(
-    problem: ShootingProblem, type_: str, z: Array, guide: Array, scale: Array
+    problem: ShotEquations, type_: str, z: Array, guide: Array, scale: Array
 ) -> tuple[Array, float, float] | None:
     """The nearest orbit (shortest correction, null space left out), the scalar there, and the residual."""
     positions = moving(len(z), problem.n)

@@ -32,7 +32,7 @@ from contin.problems.orbits.normal_forms.normal_form import stated
 from contin.problems.shooting.return_map import ReturnMap
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 SHEARLESS: Final = 1e-7  # change of the period, relative to it and to the eigenvector, up to which it is none
 
@@ -79,7 +79,7 @@ def coefficient(returns: ReturnMap, type_: str, theta: float, factor: int = 1) -
     return period_doubling(returns, factor) if type_ == "PD" else torus(returns, theta, factor)
 
 
-def with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) -> Verified:
+def with_normal_form(problem: ShotEquations, point: Verified, scale: Array) -> Verified:
     """The point with b, c or d, its error, and the criticality of PD and NS; what cannot be computed is a remark."""
     returns = ReturnMap(problem, point.z, problem.sizes(point.z, scale))
     theta = float(point.vectors["theta"])

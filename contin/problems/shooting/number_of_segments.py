@@ -13,13 +13,13 @@ from contin.problems.shooting.sampling import states
 from contin.problems.shooting.segments import Segments
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
 
 GROWTH = 1e3  # of perturbations in a segment, above which more segments are taken
 MOST = 64
 
 
-def enough(problem: ShootingProblem, z: Array) -> int:
+def enough(problem: ShotFamily, z: Array) -> int:
     """As many segments as keep perturbations in each from growing by more than GROWTH."""
     count = 1
     while count < MOST:
@@ -30,7 +30,7 @@ def enough(problem: ShootingProblem, z: Array) -> int:
     return count
 
 
-def split(problem: ShootingProblem, z: Array, count: int) -> Array:
+def split(problem: ShotFamily, z: Array, count: int) -> Array:
     """The same orbit with another number of segments."""
     nodes = Nodes.of(z, problem.n)
     if nodes.count == count:

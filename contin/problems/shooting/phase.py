@@ -14,13 +14,13 @@ from contin.simulate.flight import fly
 from contin.simulate.section import Section
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 SAMPLES = 64  # of a period, for extrema of switching functions
 CLOSE = 0.1  # an extremum this small, relative to the function's largest value, nearly touches
 
 
-def busy_times(problem: ShootingProblem, z: Array) -> Array:
+def busy_times(problem: ShotEquations, z: Array) -> Array:
     """Scaled times in [0, 1) at which the orbit crosses a switching surface, or nearly touches one."""
     period = Nodes.of(z, problem.n).period
     found = flights(problem, z, np.arange(SAMPLES) / SAMPLES)
@@ -28,7 +28,7 @@ def busy_times(problem: ShootingProblem, z: Array) -> Array:
     return np.sort(np.append(times / period, _touched(problem, z, np.vstack([f.u for f in found]))))
 
 
-def _touched(problem: ShootingProblem, z: Array, u: Array) -> Array:
+def _touched(problem: ShotEquations, z: Array, u: Array) -> Array:
     """Scaled times of the extrema, close to zero, of switching functions; u are the states at equal times."""
     if not problem.system.n_switches or len(u) < SAMPLES:
         return np.empty(0)
@@ -40,7 +40,7 @@ def _touched(problem: ShootingProblem, z: Array, u: Array) -> Array:
     return np.flatnonzero(np.any(turns & (np.abs(h) < CLOSE * np.abs(h).max(axis=0)), axis=1)) / SAMPLES
 
 
-def quietest(problem: ShootingProblem, z: Array) -> float:
+def quietest(problem: ShotEquations, z: Array) -> float:
     """The scaled time in the middle of the longest stretch without crossings and touchings (0 without either)."""
     times = busy_times(problem, z)
     if not times.size:
@@ -50,7 +50,7 @@ def quietest(problem: ShootingProblem, z: Array) -> float:
     return float((times[k] + 0.5 * gaps[k]) % 1.0)
 
 
-def room(problem: ShootingProblem, z: Array) -> float:
+def room(problem: ShotEquations, z: Array) -> float:
     """Scaled time between the base point and what is nearest of these, beside half the longest stretch: 1 is best."""
     times = busy_times(problem, z)
     if not times.size:
@@ -59,7 +59,7 @@ def room(problem: ShootingProblem, z: Array) -> float:
     return float(min(times[0], 1.0 - times[-1]) / (0.5 * gaps.max()))
 
 
-def section_at(problem: ShootingProblem, u: Array, p: Array, sizes: Array) -> tuple[Array, float]:
+def section_at(problem: ShotEquations, u: Array, p: Array, sizes: Array) -> tuple[Array, float]:
     """The plane through u that the flow crosses squarely in the metric of `sizes`; normal of unit scaled length.
 
     An angle has a part in it where the orbit winds round it: the others may hardly move, or turn.
@@ -73,7 +73,7 @@ def section_at(problem: ShootingProblem, u: Array, p: Array, sizes: Array) -> tu
     return normal, float(normal @ u)
 
 
-def rebased(problem: ShootingProblem, z: Array, fraction: float, sizes: Array) -> Array:
+def rebased(problem: ShotEquations, z: Array, fraction: float, sizes: Array) -> Array:
     """The same orbit with its nodes moved by a fraction of the period, and the section through the new first node."""
     nodes = Nodes.of(z, problem.n)
     times = fraction + np.arange(nodes.count) / nodes.count
@@ -89,7 +89,7 @@ def rebased(problem: ShootingProblem, z: Array, fraction: float, sizes: Array) -
     return Nodes(u, nodes.period, normal, offset, nodes.parameter).vector()
 
 
-def onto_section(problem: ShootingProblem, z: Array, fraction: float, target: Nodes) -> Array:
+def onto_section(problem: ShotEquations, z: Array, fraction: float, target: Nodes) -> Array:
     """An orbit near the one of `target`, moved by about `fraction` of its period onto target's section."""
     nodes = Nodes.of(z, problem.n)
     p = problem.full_parameters(z)

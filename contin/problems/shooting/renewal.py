@@ -18,7 +18,7 @@ from contin.problems.shooting.phase import onto_section, quietest, rebased, room
 from contin.problems.shooting.unbounded_at_surface import comes_to_surface
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 CLOSE_TO_CORNER = 0.3  # of the best distance: nearer than this to a crossing, the phase is moved
 LOST_SECTION = 0.7  # cosine between flow and normal below which the section is renewed
@@ -26,7 +26,7 @@ TANGENT = 0.05  # ... below which the section is tangent to the flow
 
 
 def renew(
-    problem: ShootingProblem, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame
+    problem: ShotEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame
 ) -> Renewal:
     """Metric and phase for the next chunk, or the end of the branch."""
     found = _ending(problem, origin, before, frame)
@@ -59,27 +59,27 @@ def renew(
     )
 
 
-def misplaced(problem: ShootingProblem, z: Array, nodes: Nodes, sizes: Array) -> bool:
+def misplaced(problem: ShotEquations, z: Array, nodes: Nodes, sizes: Array) -> bool:
     """True where the first node is too close to a crossing, or its section too oblique to the flow."""
     oblique = obliqueness(problem, z, nodes, sizes) < LOST_SECTION
     return oblique or (problem.system.n_switches > 0 and room(problem, z) < CLOSE_TO_CORNER)
 
 
-def obliqueness(problem: ShootingProblem, z: Array, nodes: Nodes, sizes: Array) -> float:
+def obliqueness(problem: ShotEquations, z: Array, nodes: Nodes, sizes: Array) -> float:
     """Cosine between the flow and the section's normal at the first node, in scaled states."""
     velocity = problem.system.value(nodes.u[0], problem.full_parameters(z))
     speed = float(np.linalg.norm(velocity / sizes))
     return float(nodes.normal @ velocity) / (speed * float(np.linalg.norm(nodes.normal * sizes)) or 1.0)
 
 
-def is_tangent(problem: ShootingProblem, z: Array, scale: Array) -> bool:
+def is_tangent(problem: ShotEquations, z: Array, scale: Array) -> bool:
     """True where the curve turns round in these unknowns, but the family of orbits does not."""
     return bool(
         problem.autonomous and abs(obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale))) < TANGENT
     )
 
 
-def cut_where_oblique(problem: ShootingProblem, chunk: Chunk, scale: Array) -> Chunk:
+def cut_where_oblique(problem: ShotEquations, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to the first row whose section is too oblique: where it is tangent to the flow the curve turns round
     in these unknowns, and the family does not."""
     if not problem.autonomous:
@@ -97,7 +97,7 @@ def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
 
 
 def _moved(
-    problem: ShootingProblem, sample: Sample, z: Array | None, old: Array, scale: Array, fraction: float, target: Nodes
+    problem: ShotEquations, sample: Sample, z: Array | None, old: Array, scale: Array, fraction: float, target: Nodes
 ) -> Sample:
     """A sample at the new phase; its tangent by solving for it there, with the sense of the old one."""
     at = onto_section(problem, sample.z, fraction, target) if z is None else z
@@ -113,7 +113,7 @@ def _moved(
     return replace(found, tangent=t * (np.sign(float(t @ guide)) or 1.0))
 
 
-def _parameter_and_period(problem: ShootingProblem, raw: Array, scale: Array) -> Array:
+def _parameter_and_period(problem: ShotEquations, raw: Array, scale: Array) -> Array:
     """The part of a raw direction that no change of phase touches, as a unit vector in the new metric."""
     guide = np.zeros(len(raw))
     for position in (-1, len(raw) - problem.n - 3):
@@ -122,7 +122,7 @@ def _parameter_and_period(problem: ShootingProblem, raw: Array, scale: Array) ->
     return guide / size if size > 0.0 else guide
 
 
-def _ending(problem: ShootingProblem, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+def _ending(problem: ShotEquations, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
     """The Hopf point that the family shrinks to, or the connecting orbit with which its period diverges."""
     if before is None or not problem.autonomous:
         return None
@@ -141,7 +141,7 @@ def _ending(problem: ShootingProblem, origin: Sample, before: Sample | None, fra
     return Renewal(frame.scale, origin, before, None, connected.end, connected.last, connected.point)
 
 
-def _at_hopf_point(problem: ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+def _at_hopf_point(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
     found = ends.shrunk(problem, origin, before, frame)
     if found is None:
         return at_rest(problem, origin, before, frame)

@@ -25,7 +25,7 @@ from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
 
 ACCURACY: Final = 1e-13  # of the trajectories
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
@@ -40,7 +40,7 @@ SAMPLES: Final = 256  # of a variation over a period
 class ReturnMap:
     """Of an orbit's own vector z; `sizes` of the states."""
 
-    problem: ShootingProblem
+    problem: ShotFamily
     z: Array
     sizes: Array
     _lines: dict[tuple[bytes, int], tuple[Array, ...]] = field(default_factory=dict)

@@ -15,7 +15,7 @@ from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
 
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
 SAMPLES = 400  # times an extreme is looked for at
@@ -25,7 +25,7 @@ RTOL = 1e-10
 BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
 
 
-def flights(problem: ShootingProblem, z: Array, times: Array) -> list[Flight]:
+def flights(problem: ShotFamily, z: Array, times: Array) -> list[Flight]:
     """The segments, with the states at scaled `times` in [0, 1] (each in the segment it falls into)."""
     nodes = Nodes.of(z, problem.n)
     p, length = problem.full_parameters(z), nodes.period / nodes.count
@@ -42,7 +42,7 @@ def flights(problem: ShootingProblem, z: Array, times: Array) -> list[Flight]:
     return found
 
 
-def states(problem: ShootingProblem, z: Array, times: Array) -> Array:
+def states(problem: ShotFamily, z: Array, times: Array) -> Array:
     """u at scaled times in any order, (K, n); NaN where a trajectory does not get there."""
     order = np.argsort(times, kind="stable")
     found = flights(problem, z, times[order])
@@ -59,7 +59,7 @@ def segments_of(times: Array, count: int) -> NDArray[np.intp]:
     return np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
 
 
-def sampled(problem: ShootingProblem, z: Array) -> Profile:
+def sampled(problem: ShotFamily, z: Array) -> Profile:
     """The orbit at the nodes of a uniform mesh."""
     nodes = Nodes.of(z, problem.n)
     h = np.full(INTERVALS, 1.0 / INTERVALS)
@@ -67,13 +67,13 @@ def sampled(problem: ShootingProblem, z: Array) -> Profile:
     return Profile(POINTS, states(problem, z, empty.times), nodes.period, h, nodes.parameter)
 
 
-def measured(problem: ShootingProblem, z: Array) -> Profile:
+def measured(problem: ShotFamily, z: Array) -> Profile:
     """The orbit on a mesh whose ends of intervals are all crossings of surfaces: integrals over it are smooth."""
     empty = _mesh(problem, z, crossings(problem, z))
     return Profile(POINTS, states(problem, z, empty.times), empty.period, empty.h, empty.parameter)
 
 
-def _mesh(problem: ShootingProblem, z: Array, crossed: Array) -> Profile:
+def _mesh(problem: ShotFamily, z: Array, crossed: Array) -> Profile:
     """Its mesh, without values."""
     nodes = Nodes.of(z, problem.n)
     ends = np.unique(np.concatenate([np.arange(INTERVALS + 1) / INTERVALS, crossed]))
@@ -83,7 +83,7 @@ def _mesh(problem: ShootingProblem, z: Array, crossed: Array) -> Profile:
     return Profile(POINTS, np.empty((len(h) * POINTS + 1, problem.n)), nodes.period, h, nodes.parameter)
 
 
-def measures(problem: ShootingProblem, rows: Array) -> tuple[Array, Array, Array]:
+def measures(problem: ShotFamily, rows: Array) -> tuple[Array, Array, Array]:
     """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each, and norms (R,).
 
     The norm is the root mean square of all states, by quadrature between the crossings of switching surfaces.
@@ -96,7 +96,7 @@ def measures(problem: ShootingProblem, rows: Array) -> tuple[Array, Array, Array
     return both[:, 0], both[:, 1], np.array([one[2] for one in found])
 
 
-def _measures(problem: ShootingProblem, z: Array) -> tuple[Array, Array, float]:
+def _measures(problem: ShotFamily, z: Array) -> tuple[Array, Array, float]:
     crossed = crossings(problem, z)
     mesh = _mesh(problem, z, crossed)
     times = np.union1d(np.union1d(np.arange(SAMPLES) / SAMPLES, crossed), mesh.times)
@@ -119,7 +119,7 @@ def _measures(problem: ShootingProblem, z: Array) -> tuple[Array, Array, float]:
     return -tops[:k], tops[k:], norm
 
 
-def crossings(problem: ShootingProblem, z: Array) -> Array:
+def crossings(problem: ShotFamily, z: Array) -> Array:
     """Scaled times in [0, 1) at which the orbit crosses switching surfaces."""
     if not problem.system.n_switches:
         return np.empty(0)
@@ -139,7 +139,7 @@ def _smooth_at(times: Array, best: NDArray[np.int64], crossed: Array) -> NDArray
     return np.asarray(~between.any(axis=1) & (low < high))
 
 
-def _functions(problem: ShootingProblem, z: Array, times: Array) -> Array:
+def _functions(problem: ShotFamily, z: Array, times: Array) -> Array:
     """States and observables at scaled times, (T, k)."""
     system, u = problem.system, states(problem, z, times)
     if not system.observable_names:
@@ -159,7 +159,7 @@ def _top(values: Array, smooth: NDArray[np.bool_]) -> Array:
     return np.asarray(np.where(smooth & (bend < 0.0) & (np.abs(shift) < 1.0), b - 0.25 * (a - c) * shift, largest))
 
 
-def why_not(problem: ShootingProblem, z: Array) -> str:
+def why_not(problem: ShotFamily, z: Array) -> str:
     """What may keep Newton from converging at z."""
     for flight in flights(problem, z, np.empty(0)):
         if flight.outcome != "done":
@@ -175,7 +175,7 @@ def why_not(problem: ShootingProblem, z: Array) -> str:
     )
 
 
-def sliding(problem: ShootingProblem, z: Array) -> str | None:
+def sliding(problem: ShotFamily, z: Array) -> str | None:
     """That trajectories slide along a surface on the orbit, or right beside it, in words; None where none does."""
     for flight in flights(problem, z, np.empty(0)):
         if flight.outcome == "sliding":
@@ -186,7 +186,7 @@ def sliding(problem: ShootingProblem, z: Array) -> str | None:
     return None if beside is None else f"Trajectories right beside the orbit stop: {beside}."
 
 
-def _slides_beside(problem: ShootingProblem, z: Array) -> str | None:
+def _slides_beside(problem: ShotFamily, z: Array) -> str | None:
     """Why a trajectory slides that starts beside the orbit; None where none does."""
     if not problem.system.n_switches:
         return None

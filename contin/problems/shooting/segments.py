@@ -16,7 +16,7 @@ from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
 
 
 
@@ -27,13 +27,13 @@ class Segments:
     R_i = phi(u_i) - u_(i+1) (the last: minus the winding and u_1), then normal . u_1 - offset, or T - forcing period.
     """
 
-    problem: ShootingProblem
+    problem: ShotFamily
     nodes: Nodes
     flights: tuple[Flight, ...]
     others: tuple[int, ...] = ()  # further parameters that derivatives are carried for
 
     @classmethod
-    def of(cls, problem: ShootingProblem, z: Array, others: tuple[int, ...] = ()) -> Segments | None:
+    def of(cls, problem: ShotFamily, z: Array, others: tuple[int, ...] = ()) -> Segments | None:
         """None where the trajectory does not come to the end of a segment."""
         nodes = Nodes.of(z, problem.n)
         if not (nodes.period > 0.0 and np.all(np.isfinite(z))):

@@ -10,12 +10,12 @@ from contin.abi import Array
 from contin.problems.shooting.sampling import flights
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
 
 TOGETHER = 1e-6  # of the period: crossings this close have no order
 
 
-def signature(problem: ShootingProblem, z: Array) -> tuple[int, ...] | None:
+def signature(problem: ShotFamily, z: Array) -> tuple[int, ...] | None:
     """The surfaces crossed in a period, in order (crossings at one time sorted); None where a trajectory fails."""
     found = flights(problem, z, np.empty(0))
     if any(f.outcome != "done" for f in found):

@@ -12,13 +12,13 @@ from contin.simulate.natural import REMEMBERED, natural_metric
 
 if TYPE_CHECKING:
     from contin.problems.shooting.layout import Nodes
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_family import ShotFamily
     from contin.systems.protocol import System
 
 ABSOLUTE: Final = 1e-2  # absolute tolerances beside relative ones, in these sizes
 
 
-def absolute_tolerances(problem: ShootingProblem, nodes: Nodes, p: Array, relative: float) -> Array:
+def absolute_tolerances(problem: ShotFamily, nodes: Nodes, p: Array, relative: float) -> Array:
     """Of the states (n,), beside a relative tolerance of their trajectories.
 
     A state's size is its largest modulus at the nodes, or how far it goes in a part of the period; of one that is zero

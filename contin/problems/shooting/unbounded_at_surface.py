@@ -18,7 +18,7 @@ from contin.model.printing import to_text
 from contin.problems.orbits.march.slow_passage import dwelling, slowest_points
 
 if TYPE_CHECKING:
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.shooting.shot_equations import ShotEquations
 
 STANDS: Final = 1e-6  # part of the tangent in the parameter's direction below which the parameter does not change
 RESTS: Final = 0.5  # part of the period that is spent next to equilibria
@@ -26,7 +26,7 @@ NEXT_TO: Final = 1e-2  # distance from the surface, in the states' sizes
 STEP: Final = 1e-6  # of the states' sizes, to tell how fast a surface's function changes
 
 
-def comes_to_surface(problem: ShootingProblem, origin: Sample, frame: Frame) -> End | None:
+def comes_to_surface(problem: ShotEquations, origin: Sample, frame: Frame) -> End | None:
     """The end in words; None where the family goes on."""
     if not problem.system.n_switches or abs(float(origin.tangent[-1])) > STANDS:
         return None
@@ -47,7 +47,7 @@ def comes_to_surface(problem: ShootingProblem, origin: Sample, frame: Frame) -> 
     return None
 
 
-def _surface_next_to(problem: ShootingProblem, u: Array, p: Array, sizes: Array) -> str | None:
+def _surface_next_to(problem: ShotEquations, u: Array, p: Array, sizes: Array) -> str | None:
     """The switching function that vanishes next to u, as it is written."""
     system = problem.system
     beside = u + STEP * np.diag(sizes)

@@ -20,7 +20,7 @@ from contin.model.printing import to_text
 from contin.problems.surfaces.jumps import Jump, jumps_of
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 BUDGET: Final = 30
 SETTLED: Final = 1e-14  # scaled Newton steps
@@ -48,7 +48,7 @@ class Meeting:
     distance: float
 
 
-def cut_at_surface(problem: EquilibriumProblem, chunk: Chunk) -> Chunk:
+def cut_at_surface(problem: AlgebraicEquations, chunk: Chunk) -> Chunk:
     """The chunk up to the first step across a surface on which the equations jump, as one whose corrector failed.
 
     Of pseudo-equilibria: up to the first where the motion on their surface does not slide.
@@ -77,7 +77,7 @@ def _before(chunk: Chunk, row: int) -> Chunk:
     return chunk.cut(row + 1, Stop.CORRECTOR, length)
 
 
-def separated(problem: EquilibriumProblem, a: Array, b: Array) -> bool:
+def separated(problem: AlgebraicEquations, a: Array, b: Array) -> bool:
     """True where a surface on which the equations jump lies between two points."""
     n = problem.n
     p, q = problem.full_parameters(a), problem.full_parameters(b)
@@ -96,7 +96,7 @@ def _first(drive: Array) -> float:
     return float(np.sign(drive[0]) or np.sign(drive[1]))
 
 
-def _candidates(problem: EquilibriumProblem, chunk: Chunk) -> NDArray[np.intp]:
+def _candidates(problem: AlgebraicEquations, chunk: Chunk) -> NDArray[np.intp]:
     """Steps in which some switching function changes its sign."""
     if not problem.system.n_switches:
         return np.empty(0, np.intp)
@@ -105,7 +105,7 @@ def _candidates(problem: EquilibriumProblem, chunk: Chunk) -> NDArray[np.intp]:
     return np.flatnonzero(np.any(values[:-1] * values[1:] < 0.0, axis=1))
 
 
-def foretold(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
+def foretold(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renewal | None:
     """The end of a branch whose next step would cross a surface of discontinuity; None where there is none ahead."""
     found = [m for m in _meetings(problem, origin, frame) if _is_reached(problem, m, origin, frame)]
     if not found:
@@ -126,7 +126,7 @@ def foretold(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renew
     return Renewal(frame.scale, origin, None, None, End("surface", text, data), None, point)
 
 
-def _jump_of_parameter(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
+def _jump_of_parameter(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renewal | None:
     """The end of a branch before a value of the parameter at which the equations jump, wherever the states are."""
     system, n = problem.system, problem.n
     if not isinstance(system, CompiledSystem) or not system.n_switches or problem.sliding is not None:
@@ -150,7 +150,7 @@ def _jump_of_parameter(problem: EquilibriumProblem, origin: Sample, frame: Frame
     return None
 
 
-def _tangent_fields(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
+def _tangent_fields(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renewal | None:
     """The end of pseudo-equilibria before a place where both fields are tangent to their surface."""
     if problem.sliding is None:
         return None
@@ -171,7 +171,7 @@ def _tangent_fields(problem: EquilibriumProblem, origin: Sample, frame: Frame) -
     return None
 
 
-def _meetings(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> list[Meeting]:
+def _meetings(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> list[Meeting]:
     n, found = problem.n, []
     p = problem.full_parameters(origin.z)
     for jump in jumps_of(problem.system):
@@ -183,7 +183,7 @@ def _meetings(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> list
     return [m for m in found if m is not None and 0.0 < m.distance < FARTHEST]
 
 
-def _solved(problem: EquilibriumProblem, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
+def _solved(problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
     """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter.
 
     Of other surfaces, which may be met as soon, the side of `origin` counts, on whichever Newton's steps are.
@@ -225,7 +225,7 @@ def _solved(problem: EquilibriumProblem, jump: Jump, upper: bool, origin: Sample
     return Meeting(jump, upper, z, float(np.max(np.abs(right))), error, distance)
 
 
-def _met_with(problem: EquilibriumProblem, first: Meeting, frame: Frame) -> list[Jump]:
+def _met_with(problem: AlgebraicEquations, first: Meeting, frame: Frame) -> list[Jump]:
     """Other surfaces through the point where the first one is met.
 
     They are asked there: Newton's method on f = 0 and another surface may step across the first one, by rounding alone.
@@ -241,7 +241,7 @@ def _met_with(problem: EquilibriumProblem, first: Meeting, frame: Frame) -> list
     return found
 
 
-def _is_reached(problem: EquilibriumProblem, meeting: Meeting, origin: Sample, frame: Frame) -> bool:
+def _is_reached(problem: AlgebraicEquations, meeting: Meeting, origin: Sample, frame: Frame) -> bool:
     """True where the branch is there right up to the surface, and on its own side of it."""
     n, settings = problem.n, Settings()
     for part in BESIDE:
@@ -258,7 +258,7 @@ def _is_reached(problem: EquilibriumProblem, meeting: Meeting, origin: Sample, f
     return True
 
 
-def _verified(problem: EquilibriumProblem, meeting: Meeting) -> Verified:
+def _verified(problem: AlgebraicEquations, meeting: Meeting) -> Verified:
     """The point with the eigenvalues of the branch that ends there."""
     n, z, jump = problem.n, meeting.z, meeting.jump
     own = problem.sliding is not None and jump is problem.sliding.jump
@@ -277,7 +277,7 @@ def _verified(problem: EquilibriumProblem, meeting: Meeting) -> Verified:
     return Verified("BE", z, meeting.residual, meeting.error, values, unstable, form, vectors)
 
 
-def _kind(problem: EquilibriumProblem, meeting: Meeting) -> str:
+def _kind(problem: AlgebraicEquations, meeting: Meeting) -> str:
     """persistence: the pseudo-equilibrium is on the other side of the parameter; nonsmooth fold: on the same one.
 
     With the side's A = f_u, slope of h along its equilibria: h' = h_p - h_u A^-1 f_p; of the weight along the

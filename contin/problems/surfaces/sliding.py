@@ -11,23 +11,23 @@ from contin.abi import Array
 from contin.problems.surfaces.jumps import Jump
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.one_parameter import InOneParameterProblem
 
 
 @dataclass(frozen=True, eq=False)
 class Sliding:
     """The surface that pseudo-equilibria lie on, and the problem of the equilibria beside it."""
 
-    regular: EquilibriumProblem
+    regular: InOneParameterProblem
     jump: Jump
 
-    def weights(self, problem: EquilibriumProblem, z: Array) -> Array:
+    def weights(self, problem: InOneParameterProblem, z: Array) -> Array:
         """Of the field above the surface in the sliding motion, at rows z (k, n + 1): in (0, 1) where motion slides."""
         p = np.array([problem.full_parameters(row) for row in z])
         observed = problem.system.observables(np.ascontiguousarray(z[:, : problem.n]), p)
         return np.asarray(observed[:, -1])
 
-    def drive(self, problem: EquilibriumProblem, z: Array) -> Array:
+    def drive(self, problem: InOneParameterProblem, z: Array) -> Array:
         """L f- - L f+ at rows z, relative to the lengths of the fields and of grad h.
 
         Positive where both fields lead to the surface, zero where they are tangent to it.

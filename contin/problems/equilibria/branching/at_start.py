@@ -12,11 +12,11 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.equilibria.branching.degenerate import fan_at
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 
 def unfolded(
-    problem: EquilibriumProblem, z: Array, frame: Frame
+    problem: AlgebraicEquations, z: Array, frame: Frame
 ) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
     """The start with the tangent of a branch, its label, and by arm a point on that; None where there is none.
 

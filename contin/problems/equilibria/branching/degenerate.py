@@ -15,9 +15,10 @@ from contin.problems.equilibria.branching.halves import Fan, fan
 from contin.problems.equilibria.branching.outset import Outset
 from contin.problems.equilibria.branching.reduced import ReducedEquations
 from contin.problems.equilibria.rounding_of_tests import branch_point_is_lost
+from contin.problems.equilibria.scaled import ScaledSystem
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 KINDS = ("tangency", "degenerate")  # of simple branch points
 ACCURATE = 2  # order of contact up to which Newton's method places the point well
@@ -34,10 +35,10 @@ def is_degenerate(point: Verified | SpecialPoint) -> bool:
     return bool(form.get("kind") in KINDS or form.get("repeated") or flat)
 
 
-def fan_at(problem: EquilibriumProblem, z: Array, scale: Array, corank: int) -> Fan | None:
+def fan_at(problem: AlgebraicEquations, z: Array, scale: Array, corank: int) -> Fan | None:
     """The half-branches at z, in the metric `scale`; None where no sphere around z tells them apart."""
     y = z / scale
-    return fan(ReducedEquations.at(problem.scaled(scale).rated(y), y, corank))
+    return fan(ReducedEquations.at(ScaledSystem(problem, scale).rated(y), y, corank))
 
 
 def other_curves(found: Fan, own: Array | None, tangent: Array) -> list[Outset]:
@@ -55,7 +56,7 @@ def other_curves(found: Fan, own: Array | None, tangent: Array) -> list[Outset]:
     return [found.outset(curve) for curve in curves]
 
 
-def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
+def described(problem: AlgebraicEquations, point: Verified, scale: Array) -> Verified:
     """The point with the number of its branches and, of two that touch, the order of their contact."""
     corank = int(point.vectors.get("kernel", 1))
     found = fan_at(problem, point.z, scale, corank)
@@ -86,7 +87,7 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
     return replace(touching, error=max(touching.error, 2.0 * abs(float(contact.off[-1])) * float(scale[-1])))
 
 
-def _lost_along(problem: EquilibriumProblem, z: Array, scale: Array) -> float:
+def _lost_along(problem: AlgebraicEquations, z: Array, scale: Array) -> float:
     """How far in the parameter, along whatever passes there, rounding hides that the point is passed.
 
     Simple crossings beside each other, in skewed coordinates, look like one degenerate point between them. Along a
@@ -104,7 +105,7 @@ def _lost_along(problem: EquilibriumProblem, z: Array, scale: Array) -> float:
     return farthest
 
 
-def _most_singular(problem: EquilibriumProblem, z: Array, scale: Array, kernel: Array) -> Array | None:
+def _most_singular(problem: AlgebraicEquations, z: Array, scale: Array, kernel: Array) -> Array | None:
     """The place on an ellipse about z, with the half-axes `kernel` (2, n + 1), where [F_u F_p] is nearest singular."""
 
     def at(angle: float) -> Array:
@@ -126,7 +127,7 @@ def _most_singular(problem: EquilibriumProblem, z: Array, scale: Array, kernel: 
     return at(0.5 * (low + high))
 
 
-def _scaled(problem: EquilibriumProblem, z: Array, scale: Array) -> Array:
+def _scaled(problem: AlgebraicEquations, z: Array, scale: Array) -> Array:
     return np.asarray(problem.linearise(z)[1] * scale / scale[:-1, None])
 
 

@@ -17,7 +17,7 @@ from contin.model.model import Model
 from contin.symbolic.passes.corotating import corotating, frame_generator
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.equilibrium import EquilibriumProblem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 KEPT: Final = 1e-9  # of the sizes: a state that the rotation moves by less is kept by it
 TURNED: Final = 1e-6  # of the rotation's size: eigenvectors that it moves by less are kept by it
@@ -32,7 +32,7 @@ class TurningKernel:
     basis: Array
 
 
-def turning_kernel(problem: EquilibriumProblem, z: Array, sizes: Array, kernel: int) -> TurningKernel | None:
+def turning_kernel(problem: AlgebraicEquations, z: Array, sizes: Array, kernel: int) -> TurningKernel | None:
     """None where no rotation is declared, the state is moved by it, or a part of the kernel is not."""
     system = problem.system
     model = system.written if isinstance(system, CompiledSystem) else None

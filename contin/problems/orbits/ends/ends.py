@@ -12,6 +12,7 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems.equilibria import defining
+from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.orbits.ends.invariant_circle import invariant_circle
 from contin.problems.orbits.ends.multiply_traversed import joined
 from contin.problems.orbits.ends.saddles import equilibria_of, extent_of
@@ -21,9 +22,8 @@ from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
     from contin.problems.orbits.family import FamilyOfOrbits
-    from contin.problems.shooting.shot_orbits import ShootingProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
@@ -42,7 +42,7 @@ class Ending:
     point: Verified | None = None
 
 
-def ending(problem: OrbitProblem, origin: Sample, before: Sample | None, frame: Frame) -> Ending | None:
+def ending(problem: OrbitEquations, origin: Sample, before: Sample | None, frame: Frame) -> Ending | None:
     """The end that an orbit has reached, or None."""
     if before is None:
         return None
@@ -87,7 +87,7 @@ def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
     return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
 
 
-def vanished(problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame) -> End | None:
+def vanished(problem: OrbitEquations, origin: Sample, before: Sample, frame: Frame) -> End | None:
     """The equilibrium without a Hopf point, such as a doubly degenerate one, onto which a family shrinks."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     size = extent_of(profile, sizes)
@@ -102,7 +102,7 @@ def vanished(problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame
     return End("degenerate", text, {"at": {name: profile.parameter}})
 
 
-def shrunk(problem: OrbitProblem | ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+def shrunk(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     size = extent_of(profile, sizes)
@@ -117,7 +117,7 @@ def shrunk(problem: OrbitProblem | ShootingProblem, origin: Sample, before: Samp
     if z is None:
         return None
     metric = np.append(np.sqrt(problem.n) * sizes, frame.scale[-1])
-    local = rest.scaled(metric)
+    local = ScaledSystem(rest, metric)
     omega = 2.0 * np.pi / profile.period
     nearby = defining.hopf_nearby(local, z / metric, omega)
     if nearby is None:

@@ -19,6 +19,7 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems.equilibria import defining
+from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.orbits.ends.saddle_node import critical_direction, quadratic
 from contin.problems.orbits.ends.saddles import equilibria_of, extent_of, rounded
 from contin.problems.orbits.march.slow_passage import dwelling, slowest_points
@@ -66,7 +67,7 @@ def bottlenecks(problem: FamilyOfOrbits, profile: Profile, sizes: Array, width: 
 
 def _bottleneck(problem: FamilyOfOrbits, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
     metric = np.append(np.sqrt(problem.n) * sizes, width)
-    solved = defining.fold(equilibria_of(problem).scaled(metric), guess / metric)
+    solved = defining.fold(ScaledSystem(equilibria_of(problem), metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:
         return None
     z = solved.y * metric

@@ -19,7 +19,7 @@ from contin.continuation.problem import Chunk, Stop
 from contin.problems.orbits.mesh.layout import Profile, Transfer
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 PARTS: Final = (2, 3)  # half and a third of the period
 SAMPLES: Final = 60  # times in a period at which orbits are compared
@@ -61,7 +61,7 @@ def _first_look(m: int, h: bytes) -> Transfer:
     return Transfer.to_times(m, np.frombuffer(h), _first_times().ravel())
 
 
-def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
+def times_traversed(problem: OrbitEquations, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
     possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
     winding = np.asarray(problem.winding)
@@ -92,7 +92,7 @@ def _are_whole(gains: Array, periods: Array) -> bool:
     return bool(np.all(np.abs(turns - np.round(turns)) < 1e-6))
 
 
-def cut_where_traversed(problem: OrbitProblem, chunk: Chunk) -> Chunk:
+def cut_where_traversed(problem: OrbitEquations, chunk: Chunk) -> Chunk:
     """The chunk before the row at which it slips, to go on with a shorter step; with that row where none helps."""
 
     def slipped(row: int) -> bool:
@@ -106,7 +106,7 @@ def cut_where_traversed(problem: OrbitProblem, chunk: Chunk) -> Chunk:
     return chunk.cut(first if step > SHORTEST else first + 1, Stop.LIMIT, max(step, SHORTEST))
 
 
-def joined(problem: OrbitProblem, z: Array, before: Array, scale: Array) -> End | None:
+def joined(problem: OrbitEquations, z: Array, before: Array, scale: Array) -> End | None:
     """The end of a family at an orbit (z, its row before) that is another one run through several times."""
     if z.size != before.size:
         return None

@@ -25,7 +25,7 @@ from contin.problems.two_parameters import UNBOUNDED
 from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
 GROWN = 1e5  # ... and the amplitude up to which orbits are followed then
@@ -38,7 +38,7 @@ TOLERANCE = 1e-9  # of Newton's last step there
 FEWEST = 10  # rows that tell a family
 
 
-def unbounded(problem: OrbitProblem, origin: Sample, frame: Frame) -> End | None:
+def unbounded(problem: OrbitEquations, origin: Sample, frame: Frame) -> End | None:
     """The end of a family of orbits that grow for ever at one parameter value, or until no mesh resolves them."""
     profile = problem.profile(origin.z)
     hidden = _hidden_by(problem, profile, origin, frame)
@@ -63,7 +63,7 @@ def unbounded(problem: OrbitProblem, origin: Sample, frame: Frame) -> End | None
     return End("bound", text, {"value": at})
 
 
-def _hidden_by(problem: OrbitProblem, profile: Profile, origin: Sample, frame: Frame) -> str:
+def _hidden_by(problem: OrbitEquations, profile: Profile, origin: Sample, frame: Frame) -> str:
     """What keeps a large orbit from being seen at the parameter of the Hopf point, "" where it is, or is not there.
 
     Rounding, where the parameter still stands there but the tangent says that it moves; the error of the mesh, where it
@@ -84,7 +84,7 @@ def _hidden_by(problem: OrbitProblem, profile: Profile, origin: Sample, frame: F
     return "the error of the mesh" if explained else ""
 
 
-def _on_finer_mesh(problem: OrbitProblem, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
+def _on_finer_mesh(problem: OrbitEquations, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
     """The orbit on a mesh of half the lengths: where the plane normal to the family's tangent meets it."""
     h = np.repeat(profile.h / 2.0, 2)
     sizes, period = problem.sizes(origin.z, frame.scale), float(frame.scale[profile.u.size])
@@ -93,7 +93,7 @@ def _on_finer_mesh(problem: OrbitProblem, profile: Profile, origin: Sample, fram
     return corrected(problem, moved, Frame(scale), TOLERANCE)
 
 
-def stands_at_birth(problem: OrbitProblem, z: Array) -> bool:
+def stands_at_birth(problem: OrbitEquations, z: Array) -> bool:
     """True where the parameter is still that of the Hopf point."""
     if problem.origin is None:
         return False
@@ -101,7 +101,7 @@ def stands_at_birth(problem: OrbitProblem, z: Array) -> bool:
     return abs(float(z[-1]) - at) <= CONSTANT * problem.width_at_birth
 
 
-def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> bool:
+def is_at_birth(problem: OrbitEquations, z: Array, error: float, frame: Frame) -> bool:
     """True for a large orbit whose parameter is that of the Hopf point to its error: a fold there is the mesh's."""
     if problem.origin is None or error > DRIFTED[1] * float(frame.scale[-1]):
         return False
@@ -110,7 +110,7 @@ def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> 
     return extent_of(problem.profile(z), problem.sizes(z, frame.scale)) > LARGE
 
 
-def width_at_birth(problem: OrbitProblem) -> float:
+def width_at_birth(problem: OrbitEquations) -> float:
     """Of the parameter's own range; its scale, or its value at the Hopf point, where it has none."""
     assert problem.origin is not None
     at = float(problem.origin[0])
@@ -118,13 +118,13 @@ def width_at_birth(problem: OrbitProblem) -> float:
     return parameter_width(problem.system.model, problem.parameters[0], at, declared or UNBOUNDED)
 
 
-def _range(problem: OrbitProblem, profile: Profile) -> str:
+def _range(problem: OrbitEquations, profile: Profile) -> str:
     low, high = profile.u.min(axis=0), profile.u.max(axis=0)
     names = problem.system.state_names
     return ", ".join(f"{k} in [{a:.3g}, {b:.3g}]" for k, a, b in zip(names, low, high, strict=True))
 
 
-def remarks(problem: OrbitProblem, z: Array) -> Sequence[str]:
+def remarks(problem: OrbitEquations, z: Array) -> Sequence[str]:
     """That all orbits of the family (rows z) exist at one parameter value, in words."""
     values = z[:, -1]
     if len(values) < FEWEST or problem.origin is None or not problem.autonomous:

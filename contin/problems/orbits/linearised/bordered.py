@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,8 +14,6 @@ from contin.linalg.vectors import norm
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import SuperLU
-
-    from contin.problems.orbits.linearised.linear import OrbitLinear
 
 NEAR: Final = 0.1  # sine of the angle between two spaces up to which one serves as border for the other
 LIKE: Final = (
@@ -141,9 +140,12 @@ def _is_near(new: Vector, old: Vector, near: float) -> bool:
     return bool(np.linalg.norm(new - old @ (old.conj().T @ new)) < near)
 
 
-def crossing(linear: OrbitLinear, kernel: Array, left: Array) -> list[Array]:
-    """Unit tangents (scaled x) of the two families that cross at a branch point: roots of left . D^2F[t, t] = 0."""
-    second = [linear.hessian(kernel[:, k]) for k in range(2)]
+def crossing(hessian: Callable[[Array], Any], kernel: Array, left: Array) -> list[Array]:
+    """Unit tangents (scaled x) of the two families that cross at a branch point: roots of left . D^2F[t, t] = 0.
+
+    hessian : a direction v -> the matrix D^2F[v, .].
+    """
+    second = [hessian(kernel[:, k]) for k in range(2)]
     c = np.array([[float(left @ (second[i] @ kernel[:, j])) for j in range(2)] for i in range(2)])
     values, vectors = np.linalg.eigh(0.5 * (c + c.T))
     if values[0] * values[1] >= 0.0:

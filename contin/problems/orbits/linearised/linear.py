@@ -25,7 +25,7 @@ from contin.problems.orbits.mesh.layout import Profile
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a point a branch point
 
@@ -34,7 +34,7 @@ SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a p
 class OrbitLinear:
     """Equations and derivatives at z; the phase condition refers to `reference` (a vector like z on the same mesh)."""
 
-    problem: OrbitProblem
+    problem: OrbitEquations
     z: Array
     scale: Array
     reference: Array
@@ -240,14 +240,14 @@ class OrbitLinear:
         return np.asarray(self._local(self.state_derivatives, -self.profile.h * self.profile.period, True))
 
 
-def branch_tangents(problem: OrbitProblem, z: Array, scale: Array) -> list[Array]:
+def branch_tangents(problem: OrbitEquations, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""
     linear = OrbitLinear(problem, z, scale, z)
     jacobian = linear.jacobian
     right, g, left = Bordered.of(jacobian, 2).solve()
     v = np.linalg.qr(right)[0]
     if float(np.linalg.norm(jacobian @ v)) < SINGULAR * float(abs(jacobian).max()):
-        tangents = crossing(linear, v, left[:, 0])
+        tangents = crossing(linear.hessian, v, left[:, 0])
         if tangents:
             return [embed(linear, t) for t in tangents]
     if not np.any(g):

@@ -18,18 +18,18 @@ from contin.problems.orbits.linearised.independent_parts import by_parts
 from contin.problems.orbits.linearised.linear import OrbitLinear
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 LOST = 1e-3  # distance of the trivial multiplier from 1 from which the other ones are computed anew
 EXPLODING = 1e-4  # ... and |dp/ds| (scaled) below which they always are: orbits explode at nearly one parameter
 
 
-def is_planar(problem: OrbitProblem) -> bool:
+def is_planar(problem: OrbitEquations) -> bool:
     """True for orbits of autonomous equations in the plane."""
     return bool(problem.autonomous and problem.n == 2)
 
 
-def unresolved(problem: OrbitProblem, re: Array, im: Array, tests: Array) -> NDArray[np.bool_]:
+def unresolved(problem: OrbitEquations, re: Array, im: Array, tests: Array) -> NDArray[np.bool_]:
     """Which of some orbits, multipliers re + i im (R, n) and tests (R, 4), need the parts of the equations."""
     if not problem.autonomous or problem.n < 2:
         return np.zeros(len(re), bool)
@@ -39,7 +39,7 @@ def unresolved(problem: OrbitProblem, re: Array, im: Array, tests: Array) -> NDA
     return np.asarray(~fine)
 
 
-def resolve(problem: OrbitProblem, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
+def resolve(problem: OrbitEquations, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
     """Mend in place the multipliers re + i im (n,) of an orbit, and its tests for NS and PD.
 
     Returns the unstable count; None, and nothing changes, where the multipliers are fine or there are no parts.

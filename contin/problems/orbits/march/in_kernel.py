@@ -25,7 +25,7 @@ from contin.problems.orbits.mesh.adaption import WORTHWHILE, estimate
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 CONTROLS: Final = 10  # numbers that steer the kernel
 TESTS: Final = 4  # ... and test functions that it fills
@@ -36,7 +36,7 @@ DWELLING: Final = 0.2  # part of the period spent slowly from which growing peri
 
 
 def march(
-    family: OrbitProblem, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    family: OrbitEquations, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
     bounds: tuple[float, float], settings: Settings, loop: Sample | None,
 ) -> Chunk:  # fmt: skip
     """A chunk of the family from `origin`, see `contin.continuation.problem.Problem.march`."""
@@ -73,7 +73,7 @@ def march(
 
 
 def probe(
-    family: OrbitProblem, z0: Array, tangent: Array, length: float, guess: Array, frame: Frame, tolerance: float
+    family: OrbitEquations, z0: Array, tangent: Array, length: float, guess: Array, frame: Frame, tolerance: float
 ) -> Sample | None:
     """The orbit with <tangent, (z - z0) / scale> = length next to a guess, measured; None where Newton fails."""
     out = Rows.of(2, z0.size, TESTS, family.n)
@@ -87,14 +87,14 @@ def probe(
     return Sample(out.z[1], out.t[1], out.tests[1], int(out.unstable[1]), out.re[1] + 1j * out.im[1])
 
 
-def corrected(family: OrbitProblem, sample: Sample, frame: Frame, tolerance: float) -> Array | None:
+def corrected(family: OrbitEquations, sample: Sample, frame: Frame, tolerance: float) -> Array | None:
     """The orbit on the hyperplane through the sample, normal to its tangent; no measuring."""
     out = Rows.of(2, sample.z.size, TESTS, family.n)
     out.z[0], out.t[0], out.z[1] = sample.z, sample.tangent, sample.z
     return out.z[1] if _call(family, CORRECT, out, frame.scale, _tolerance(tolerance)) == 0 else None
 
 
-def multipliers(family: OrbitProblem, z: Array) -> NDArray[np.complex128]:
+def multipliers(family: OrbitEquations, z: Array) -> NDArray[np.complex128]:
     """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
     out = Rows.of(1, z.size, TESTS, family.n)
     out.z[0], out.t[0] = z, 0.0
@@ -111,7 +111,7 @@ def _tolerance(tolerance: float, length: float = 0.0) -> Array:
 
 
 def _call(
-    family: OrbitProblem, mode: int, out: Rows, scale: Array, controls: Array, limit: int = 0,
+    family: OrbitEquations, mode: int, out: Rows, scale: Array, controls: Array, limit: int = 0,
     bounds: tuple[float, float] = (0.0, 0.0), before: Sample | None = None, loop: Sample | None = None,
 ) -> int:  # fmt: skip
 
@@ -130,7 +130,7 @@ def _call(
     ))  # fmt: skip
 
 
-def _up_to_first_event(family: OrbitProblem, out: Rows, m: int, stop: Stop, frame: Frame) -> tuple[int, Stop]:
+def _up_to_first_event(family: OrbitEquations, out: Rows, m: int, stop: Stop, frame: Frame) -> tuple[int, Stop]:
     """Rows up to the first change: the row before the last one, measured exactly, may lie beyond it already."""
     while m > 2 and _differ(out, m - 3, m - 2):
         _measure(family, out, m - 3, frame)
@@ -144,7 +144,7 @@ def _differ(out: Rows, one: int, other: int) -> bool:
     return bool(out.unstable[one] != out.unstable[other] or np.any(out.tests[one] * out.tests[other] < 0.0))
 
 
-def _measure(family: OrbitProblem, out: Rows, row: int, frame: Frame) -> None:
+def _measure(family: OrbitEquations, out: Rows, row: int, frame: Frame) -> None:
     """Tests and multipliers of a row anew: the march takes them from factors of a point nearby."""
     exact = probe(family, out.z[row], out.t[row], 0.0, out.z[row], frame, PROBE_TOLERANCE)
     if exact is not None and float(exact.tangent @ out.t[row]) > ALIGNED:
@@ -152,7 +152,7 @@ def _measure(family: OrbitProblem, out: Rows, row: int, frame: Frame) -> None:
         out.re[row], out.im[row] = exact.eigenvalues.real, exact.eigenvalues.imag
 
 
-def _resolve(family: OrbitProblem, out: Rows, row: int) -> bool:
+def _resolve(family: OrbitEquations, out: Rows, row: int) -> bool:
     """Multipliers of a row that a product of matrices does not resolve, from the parts of the equations."""
     count = resolve(family, out.z[row], out.re[row], out.im[row], out.tests[row])
     out.unstable[row] = out.unstable[row] if count is None else count
@@ -166,13 +166,13 @@ def _chunk(profile: Profile) -> int:
     return int(np.clip(0.2 / step, 10, LONGEST_CHUNK))
 
 
-def _error_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
+def _error_limit(family: OrbitEquations, profile: Profile, scale: Array) -> float:
     """The error of the mesh at which a march returns."""
     error, _ = estimate(profile, family.sizes(profile.vector(), scale))
     return max(family.tolerance, (3.0 if family.intervals is None else 30.0) * error)
 
 
-def _period_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
+def _period_limit(family: OrbitEquations, profile: Profile, scale: Array) -> float:
     """The period at which a march returns: soon, where the orbit already lingers somewhere."""
     limit = 2.0 * float(scale[profile.u.size])
     if family.autonomous and dwelling(family, profile, family.sizes(profile.vector(), scale)) > DWELLING:

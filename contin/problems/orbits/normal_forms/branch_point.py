@@ -28,8 +28,8 @@ from contin.problems.orbits.symmetric.symmetry import halves_alike
 from contin.records import Record
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
-    from contin.problems.orbits.special_orbits.defining import SolvedOrbit
+    from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 SETTLED: Final = 1e-13  # (scaled) error of a place, at least
 SAFETY: Final = 4.0  # the error of the parameter alone is known
@@ -50,7 +50,7 @@ class Crossing:
     rate: float  # change of the parameter along r beside the mean square of q over the orbit, in the model's units
 
 
-def branch_point(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> Record:
+def branch_point(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -> Record:
     """{kind, slope, errors}, {kind, breaks} where a declared symmetry decides, {} where no family is told.
 
     breaks: the symmetry that the orbit has and the new family has not; kernel: the number of multipliers that pass 1
@@ -86,7 +86,7 @@ def _decided(coarse: Crossing, fine: Crossing) -> Record:
     return {"kind": "transcritical" if discriminant > 0.0 else "isolated", **stated}
 
 
-def _crossings(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> list[Crossing]:
+def _crossings(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -> list[Crossing]:
     linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
     off = SAFETY * max(solved.error / float(solved.scale[-1]), SETTLED)
     found = []

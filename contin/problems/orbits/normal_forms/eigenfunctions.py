@@ -17,11 +17,11 @@ from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.normal_forms.normal_form import Variation
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 
 def eigenfunctions(
-    problem: OrbitProblem, z: Array, multipliers: NDArray[np.complex128]
+    problem: OrbitEquations, z: Array, multipliers: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """(k, times, n) at the nodes of the orbit's mesh; NaN for a multiplier that is not known."""
     profile = problem.profile(z)

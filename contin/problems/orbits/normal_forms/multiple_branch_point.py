@@ -21,7 +21,7 @@ from contin.problems.orbits.symmetric.symmetry import moved_direction
 from contin.problems.symmetry import symmetry_names
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 CRITICAL: Final = 1e-3  # distance from 1 of the multipliers that pass it together
 MOST: Final = 6  # of them
@@ -31,12 +31,12 @@ SAME: Final = 1e-3  # 1 - cosine up to which two directions are one
 Complex = NDArray[np.complex128]
 
 
-def kernel_dimension(problem: OrbitProblem, eigenvalues: Complex) -> int:
+def kernel_dimension(problem: OrbitEquations, eigenvalues: Complex) -> int:
     """Number of multipliers, beside the trivial one, that are 1 at a branch point."""
     return int(np.sum(np.abs(nontrivial(problem, eigenvalues) - 1.0) < CRITICAL))
 
 
-def crossing_tangents(problem: OrbitProblem, z: Array, scale: Array, eigenvalues: Complex) -> list[Array]:
+def crossing_tangents(problem: OrbitEquations, z: Array, scale: Array, eigenvalues: Complex) -> list[Array]:
     """Unit tangents (scaled, like z) of the crossing families, one of those that symmetries map onto each other.
 
     Empty where no more than one multiplier is 1, or no symmetry tells a direction from the others.
@@ -45,7 +45,7 @@ def crossing_tangents(problem: OrbitProblem, z: Array, scale: Array, eigenvalues
         return []
     linear, tangents = OrbitLinear(problem, z, scale, z), []
     for null, left in planes(linear, eigenvalues):
-        found = crossing(linear, null, left)
+        found = crossing(linear.hessian, null, left)
         if found:
             along = [abs(float(t @ null[:, 0])) for t in found]  # the other one is the family at hand
             tangents.append(embed(linear, found[int(np.argmin(along))]))

@@ -37,8 +37,8 @@ from contin.problems.orbits.normal_forms.branch_point import branch_point
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
-    from contin.problems.orbits.special_orbits.defining import SolvedOrbit
+    from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
 UNKNOWN: Final = (
@@ -50,7 +50,7 @@ NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 Values = Vector  # of a function at the Gauss points, (N, m, n)
 
 
-def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> Verified:
+def normal_form(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -> Verified:
     """The point with its coefficients, their errors, and the criticality of PD and NS or the kind of BPC.
 
     What cannot be computed is a remark.
@@ -78,7 +78,7 @@ def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:
     return replace(point, normal_form={**form, "errors": {name: error}})
 
 
-def coefficient(problem: OrbitProblem, type_: str, solved: SolvedOrbit) -> Coefficient:
+def coefficient(problem: OrbitEquations, type_: str, solved: SolvedOrbit) -> Coefficient:
     """b of LPC, c of PD or d of NS."""
     linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
     if type_ == "LPC":

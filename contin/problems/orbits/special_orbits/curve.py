@@ -32,7 +32,7 @@ from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 
 _NO_WALLS = np.empty((0, 3))
@@ -43,7 +43,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     """Equations of one type; `orbits` is the problem of the orbits themselves with the first parameter free."""
 
     type: str
-    orbits: OrbitProblem
+    orbits: OrbitEquations
     second: int
     _works: dict[str, Work] = field(default_factory=dict)
     critical: Fields = field(default_factory=dict)  # see `contin.loci.orbits.criticality`; borders

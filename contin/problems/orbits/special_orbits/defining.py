@@ -8,22 +8,23 @@ NS    ... with v(2) - 2 cos(theta) v(1) + v(0) = 0, theta unknown
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.abi import Array, Vector
+from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.machine import elementary
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
 from contin.problems.orbits.march.in_kernel import corrected
 from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.special_orbits.held_parameter import HeldCurve
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 NEWTON_BUDGET: Final = 12
 SETTLED: Final = 1e-13
@@ -37,21 +38,7 @@ UNRESOLVED: Final = 0.2  # distance from 1 of the multiplier on a finer mesh at 
 UNFOLDED: Final = 1e-6  # unfolding parameter (scaled) that a branch point leaves
 
 
-@dataclass(frozen=True, eq=False)
-class SolvedOrbit:
-    """A special orbit: z, angle theta of a pair, scaled residual, error of p, null vectors in scaled unknowns."""
-
-    z: Array
-    theta: float
-    residual: float
-    error: float
-    right: Vector
-    scale: Array  # the metric
-    finer: SolvedOrbit | None = None  # the same on a mesh of half the lengths; only interpolated if not confirmed
-    confirmed: bool = True  # the same point was found on the finer mesh
-
-
-def solve_special(problem: OrbitProblem, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
+def solve_special(problem: OrbitEquations, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
     """Newton on the defining system of LPC, BPC, PD or NS from z; None where it does not converge.
 
     The error has two parts: how rounding reaches p (scatter of Newton steps from perturbed solutions), and the
@@ -73,7 +60,7 @@ def solve_special(problem: OrbitProblem, type_: str, z: Array, scale: Array, the
     return replace(found, error=found.error + discretisation, finer=refined, confirmed=confirmed)
 
 
-def flat_fold(problem: OrbitProblem, z: Array, scale: Array) -> SolvedOrbit | None:
+def flat_fold(problem: OrbitEquations, z: Array, scale: Array) -> SolvedOrbit | None:
     """A fold where the parameter is constant to rounding (a canard explosion), z where the multiplier passes 1.
 
     The defining system is singular to rounding there. The error is the change of the parameter on a mesh of half the
@@ -93,7 +80,7 @@ def flat_fold(problem: OrbitProblem, z: Array, scale: Array) -> SolvedOrbit | No
     return SolvedOrbit(z, 0.0, residual, error, right, scale, refined)
 
 
-def on_finer_mesh(problem: OrbitProblem, z: Array, scale: Array) -> tuple[Profile, Array]:
+def on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> tuple[Profile, Array]:
     """The orbit interpolated on a mesh of half the lengths, and the metric there."""
     profile = problem.profile(z)
     finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
@@ -101,7 +88,7 @@ def on_finer_mesh(problem: OrbitProblem, z: Array, scale: Array) -> tuple[Profil
     return finer, make_scale(finer.h, profile.m, problem.sizes(z, scale), period, float(scale[-1]))
 
 
-def same_period_on_finer_mesh(problem: OrbitProblem, z: Array, scale: Array) -> Array | None:
+def same_period_on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> Array | None:
     """The orbit of the same period on a mesh of half the lengths."""
     finer, finer_scale = on_finer_mesh(problem, z, scale)
     fixed = np.zeros(finer_scale.size)
@@ -112,7 +99,7 @@ def same_period_on_finer_mesh(problem: OrbitProblem, z: Array, scale: Array) -> 
 
 
 def _newton(
-    problem: OrbitProblem, type_: str, z: Array, scale: Array, theta: float, samples: int = SAMPLES
+    problem: OrbitEquations, type_: str, z: Array, scale: Array, theta: float, samples: int = SAMPLES
 ) -> SolvedOrbit | None:
     curve = HeldCurve.of(type_, problem)
     metric = curve.join(scale, float(scale[-1]), 1.0)
@@ -137,7 +124,7 @@ def _newton(
 
 
 def _measured(
-    problem: OrbitProblem, curve: HeldCurve, x: Array, scale: Array, metric: Array, samples: int
+    problem: OrbitEquations, curve: HeldCurve, x: Array, scale: Array, metric: Array, samples: int
 ) -> SolvedOrbit | None:
     """What Newton has found at x."""
     z = curve.orbit(x)

@@ -24,7 +24,7 @@ from contin.problems.orbits.symmetric.symmetry import symmetry_of
 from contin.special.table import of_cycle
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 CANCELLED = 64.0  # rounding errors of the range: what terms of the equations that cancel leave, the same in all samples
@@ -102,7 +102,7 @@ def _distance_from_one(sample: Sample) -> float:
     return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
-def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     theta, width = 0.0, float(frame.scale[-1])
     flat = type_ == "flat"
@@ -159,7 +159,7 @@ def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Out
     return normal_form(problem, point, solved)
 
 
-def _orientable(problem: OrbitProblem, z: Array) -> bool:
+def _orientable(problem: OrbitEquations, z: Array) -> bool:
     """True for orbits without a simple negative multiplier: a sign that changes is rounding.
 
     In the plane the multiplier is exp(integral of the divergence). Those of an orbit that a symmetry shifts by
@@ -171,7 +171,7 @@ def _orientable(problem: OrbitProblem, z: Array) -> bool:
     return kept is not None and kept[1] == 0.5
 
 
-def _turns(problem: OrbitProblem, fold: Any, frame: Frame) -> bool:
+def _turns(problem: OrbitEquations, fold: Any, frame: Frame) -> bool:
     """True where w . F_p is far from zero, which it is at branch points (on a mesh that is not symmetric: nearly).
 
     w, the left null vector, is told by [F_u F_T F_p; right null vector], which is singular where w . F_p = 0.
@@ -195,13 +195,13 @@ def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:
     return abs(float(gap[-1])) <= 2.0 * errors and float(np.linalg.norm(gap)) < ADJACENT
 
 
-def _at_rest(problem: OrbitProblem, z: Array, frame: Frame) -> bool:
+def _at_rest(problem: OrbitEquations, z: Array, frame: Frame) -> bool:
     """True where a family is at its Hopf point; a forced system may rest as well as move."""
     extent = float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, frame.scale)))
     return problem.autonomous and extent < NO_ORBIT
 
 
-def verify_compound(problem: OrbitProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+def verify_compound(problem: OrbitEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Outcome] = []
     folds, branches, _, flips = (bool(x) for x in a.tests * b.tests < 0.0)

@@ -19,7 +19,7 @@ from contin.problems.orbits.special_orbits import borders
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class HeldCurve(OrbitCurve):
     """`second` is the first parameter. z is that of a curve: (u, T, h, [further unknown], p, p)."""
 
     @classmethod
-    def of(cls, type_: str, orbits: OrbitProblem) -> HeldCurve:
+    def of(cls, type_: str, orbits: OrbitEquations) -> HeldCurve:
         """The special orbits of a type in a family."""
         return cls(type_, orbits, orbits.active)
 

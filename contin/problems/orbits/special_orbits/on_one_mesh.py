@@ -13,7 +13,7 @@ from contin.kernels.special_orbits.memory import Frame, new_curve_memory
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
 
@@ -52,7 +52,7 @@ class Work:
         return int(self.memory.y.shape[1]) - 3
 
     @classmethod
-    def of(cls, type_: str, orbits: OrbitProblem, p: Array, mesh: Array, normals: Normals) -> Work:
+    def of(cls, type_: str, orbits: OrbitEquations, p: Array, mesh: Array, normals: Normals) -> Work:
         """Memory for curves of a type; `orbits` is the problem of the orbits, p all parameters."""
         n, m, count = orbits.n, orbits.points, len(mesh)
         free = n - 1 if orbits.autonomous else n

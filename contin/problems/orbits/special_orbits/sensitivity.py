@@ -22,10 +22,10 @@ from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.linear import OrbitLinear
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 
-def error_of_equations(problem: OrbitProblem, type_: str, z: Array, scale: Array, theta: float = 0.0) -> float:
+def error_of_equations(problem: OrbitEquations, type_: str, z: Array, scale: Array, theta: float = 0.0) -> float:
     """What the relative accuracy of the equations and their derivatives (`Limit.accuracy`) leaves of p, in its unit.
 
     Zero for equations that are exact, infinite where it cannot be told. Cost: some sparse factorisations.

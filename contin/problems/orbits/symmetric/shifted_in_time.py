@@ -19,14 +19,14 @@ from contin.problems.orbits.mesh.layout import Profile, Transfer
 from contin.problems.orbits.symmetric.symmetry import shifted
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 SAMPLES: Final = 256  # of the orbits, for the first guess of the shift
 REFINEMENTS: Final = 4
 NEAR: Final = 1.5  # steps: distance from the start at which a branch passes it, as in `contin.kernels.steering`
 
 
-def in_phase(problem: OrbitProblem, start: Sample, near: Array, scale: Array) -> Sample:
+def in_phase(problem: OrbitEquations, start: Sample, near: Array, scale: Array) -> Sample:
     """The start with its time shifted so that it is as close to the orbit `near`, on the same mesh, as it can be."""
     own, other, sizes = problem.profile(start.z), problem.profile(near), problem.sizes(near, scale)
     shift = best_shift(problem, own, other, sizes)
@@ -39,7 +39,7 @@ def in_phase(problem: OrbitProblem, start: Sample, near: Array, scale: Array) ->
     return replace(start, z=z, tangent=tangent / np.linalg.norm(tangent))
 
 
-def apart(problem: OrbitProblem, start: Array, near: Array, scale: Array) -> float:
+def apart(problem: OrbitEquations, start: Array, near: Array, scale: Array) -> float:
     """A distance that no shift in time brings two orbits closer than, in the metric of `near`.
 
     Parameter and period know no phase, nor do mean and standard deviation of a state over the orbit, and a mean square
@@ -56,7 +56,7 @@ def apart(problem: OrbitProblem, start: Array, near: Array, scale: Array) -> flo
     return float(np.sqrt(np.sum(np.square(gaps)) + np.sum(elementary.square(states))))
 
 
-def best_shift(problem: OrbitProblem, own: Profile, other: Profile, sizes: Array) -> float:
+def best_shift(problem: OrbitEquations, own: Profile, other: Profile, sizes: Array) -> float:
     """s for which own(x + s) is nearest to other(x) in the mean, in parts of the period."""
     times = np.arange(SAMPLES) / SAMPLES
     drift = times[:, None] * problem.winding
@@ -74,7 +74,7 @@ def best_shift(problem: OrbitProblem, own: Profile, other: Profile, sizes: Array
     return shift
 
 
-def cut_at_start(problem: OrbitProblem, chunk: Chunk, loop: Sample | None, scale: Array) -> Chunk:
+def cut_at_start(problem: OrbitEquations, chunk: Chunk, loop: Sample | None, scale: Array) -> Chunk:
     """The chunk up to the first step in which the family passes its start, whatever its phase there."""
     if loop is None or not problem.autonomous or len(chunk) < 2 or chunk.z.shape[1] != loop.z.size:
         return chunk

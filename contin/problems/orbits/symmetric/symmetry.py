@@ -19,19 +19,19 @@ from contin.problems.symmetry import symmetry_names
 from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.collocated_orbits import OrbitProblem
+    from contin.problems.orbits.orbit_equations import OrbitEquations
 
 ALIKE = 1e-3  # difference (relative to the orbit's extent) up to which two orbits are one
 TURNED = 1e-2  # ... and two directions opposite
 STEP = 1e-4  # of the difference quotient that maps directions
 
 
-def states_moved(problem: OrbitProblem, name: str, u: Array, p: Array) -> Array:
+def states_moved(problem: OrbitEquations, name: str, u: Array, p: Array) -> Array:
     """Images of states u (K, n) under a declared symmetry, or a product `a*b` (first b)."""
     return moved(problem.system, name, u, p)
 
 
-def orbits_moved(problem: OrbitProblem, name: str, z: Array) -> Array:
+def orbits_moved(problem: OrbitEquations, name: str, z: Array) -> Array:
     """Rows z (k, size), padded on the left with NaN as those of a branch, with every state mapped."""
     rows = np.array(z, dtype=float)
     for row in rows:
@@ -43,14 +43,14 @@ def orbits_moved(problem: OrbitProblem, name: str, z: Array) -> Array:
     return rows
 
 
-def shifted(problem: OrbitProblem, u: Profile, fraction: float) -> Array:
+def shifted(problem: OrbitEquations, u: Profile, fraction: float) -> Array:
     """u(x + fraction) at the nodes of u, (K, n); what angles gained in a period is added after it."""
     times = u.times + fraction
     turns = np.floor(times)
     return np.asarray(u.at(times - turns) + turns[:, None] * problem.winding)
 
 
-def symmetry_of(problem: OrbitProblem, z: Array) -> tuple[str, float] | None:
+def symmetry_of(problem: OrbitEquations, z: Array) -> tuple[str, float] | None:
     """A declared symmetry that keeps the orbit as a set: its name and the shift (0 or half a period)."""
     profile = problem.profile(z)
     p = problem.full_parameters(z)
@@ -61,7 +61,7 @@ def symmetry_of(problem: OrbitProblem, z: Array) -> tuple[str, float] | None:
     return None
 
 
-def halves_alike(problem: OrbitProblem, z: Array, direction: Array) -> tuple[str, ...]:
+def halves_alike(problem: OrbitEquations, z: Array, direction: Array) -> tuple[str, ...]:
     """The symmetries, with or without a shift by half a period, that keep the orbit and turn the raw `direction` round.
 
     At a branch point the two halves of the new family are then images of each other.
@@ -69,7 +69,7 @@ def halves_alike(problem: OrbitProblem, z: Array, direction: Array) -> tuple[str
     return tuple(name for name in symmetry_names(problem) if reverses(problem, z, direction, name))
 
 
-def reverses(problem: OrbitProblem, z: Array, direction: Array, name: str) -> bool:
+def reverses(problem: OrbitEquations, z: Array, direction: Array, name: str) -> bool:
     """True where the symmetry `name` keeps the orbit and turns the raw `direction` (like z) round.
 
     HALF_PERIOD: true where the orbit has half the period and the shift turns the direction round.
@@ -85,7 +85,7 @@ def reverses(problem: OrbitProblem, z: Array, direction: Array, name: str) -> bo
     return False
 
 
-def moved_direction(problem: OrbitProblem, z: Array, direction: Array, name: str, fraction: float) -> Array | None:
+def moved_direction(problem: OrbitEquations, z: Array, direction: Array, name: str, fraction: float) -> Array | None:
     """States (K, n) of the image of a raw direction (like z) under a symmetry and a shift by `fraction` of a period.
 
     None where these do not keep the orbit.
@@ -103,7 +103,7 @@ def moved_direction(problem: OrbitProblem, z: Array, direction: Array, name: str
     return np.asarray((images[1] - images[2]) / (2.0 * step))
 
 
-def _states_of(problem: OrbitProblem, z: Array, direction: Array) -> Array:
+def _states_of(problem: OrbitEquations, z: Array, direction: Array) -> Array:
     """The states' part of a raw direction (like z), (K, n)."""
     profile = problem.profile(z)
     moved = direction.copy()
@@ -111,7 +111,7 @@ def _states_of(problem: OrbitProblem, z: Array, direction: Array) -> Array:
     return np.asarray(problem.profile(moved).u)
 
 
-def _apart(problem: OrbitProblem, u: Array, profile: Profile) -> float:
+def _apart(problem: OrbitEquations, u: Array, profile: Profile) -> float:
     """Distance of states at the nodes from the orbit's, relative to its extent; whole turns of angles do not count."""
     difference = u - profile.u
     periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)

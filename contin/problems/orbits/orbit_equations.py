@@ -1,0 +1,76 @@
+"""The equations of periodic orbits by orthogonal collocation, one parameter free: what all that works on them needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.kernels.collocation import Equations
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.family import FamilyOfOrbits
+from contin.problems.orbits.forcing_period import ForcingPeriod
+from contin.problems.orbits.measured.measures import Measures
+from contin.problems.orbits.mesh.layout import Profile, profile_of, sizes_of
+from contin.problems.orbits.mesh.sizes import state_sizes
+
+MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
+CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitEquations(FamilyOfOrbits):
+    """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbits.mesh.layout`.
+
+    points : Gauss points an interval.  intervals : fixed number of mesh intervals, or None.  multiple : forcing periods
+    in one orbit of a forced system.
+    """
+
+    points: int = 4
+    intervals: int | None = None
+    multiple: int = 1
+    tolerance: float = MESH_TOLERANCE
+    forcing: ForcingPeriod | None = None
+    origin: tuple[float, Array] | None = None  # parameter and period, states of the Hopf point it was born at
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))  # the engine's wrapping is not used
+    measures: Measures | None = None  # columns that are asked for beside those of every family
+
+    def __post_init__(self) -> None:
+        if self.system.is_forced and self.forcing is None:
+            object.__setattr__(self, "forcing", ForcingPeriod.of(self.system))
+
+    def profile(self, z: Array) -> Profile:
+        return profile_of(z, self.n, self.points)
+
+    @cached_property
+    def equations(self) -> Any:
+        """The kernels' view of the equations."""
+        scheme, forcing = basis(self.points), 0 if self.forcing is None else self.forcing.address
+        return Equations(
+            self.system.value_address, self.system.jacobian_address, forcing, self.multiple, self.n, self.points,
+            self.active, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights,
+            np.asarray(self.winding, dtype=float),
+        )  # fmt: skip
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric that belongs to z's mesh."""
+        return sizes_of(scale, self.profile(z).h, self.n, self.points)
+
+    def period_place(self, z: Array) -> int:
+        return int(self.profile(z).u.size)
+
+    @property
+    def resolution(self) -> float:
+        return self.tolerance
+
+    def is_constant(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is an equilibrium."""
+        u = self.profile(z).u
+        return bool(np.all(np.ptp(u, axis=0) <= CONSTANT * self.sizes(z, scale))) and not self.winding.any()
+
+    def state_sizes(self, profile: Profile) -> Array:
+        """Typical size of every state on an orbit, (n,)."""
+        return state_sizes(self, profile)
