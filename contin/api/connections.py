@@ -12,7 +12,6 @@ from contin.api.starts import equilibrium
 from contin.continuation.branch import SpecialPoint
 from contin.errors import ExpressionError, InputError
 from contin.homoclinic.cycle_connections import CycleConnection
-from contin.homoclinic.cycle_ends import Cycle, Rest
 from contin.homoclinic.from_saddles import ConnectingOrbit
 from contin.homoclinic.from_table import Path
 from contin.homoclinic.reversor import reversor_of
@@ -25,6 +24,7 @@ from contin.model.model import Model
 from contin.model.parser import parse
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.corotating import system_of_orbits
+from contin.problems.orbits.rests_and_cycles import Cycle, Rest
 from contin.records import Record
 from contin.search.equilibrium_from_guess import Equilibrium
 

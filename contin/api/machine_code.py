@@ -9,8 +9,7 @@ from contin.api.fixed_totals import for_branches
 from contin.lowering import compile_system
 from contin.model.kept import kept_with
 from contin.problems.sparse.from_model import is_large
-from contin.systems.functions.function_problem import FunctionProblem
-from contin.systems.functions.in_kernels import in_kernels
+from contin.systems.functions.function_problem import FunctionProblem, in_kernels
 
 if TYPE_CHECKING:
     from contin.model.model import Model

@@ -7,7 +7,6 @@ import numpy as np
 from contin.api.manifold_tables import branch_of, of_map, of_surface, too_short
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.errors import InputError
-from contin.homoclinic.cycle_ends import Cycle
 from contin.kernels.clock import computing_time
 from contin.lowering.system import CompiledSystem
 from contin.problems.manifolds.eigenspace import Side, eigenspace
@@ -15,6 +14,7 @@ from contin.problems.manifolds.iterated import MapCurve
 from contin.problems.manifolds.segments import FromCycle, Grower, Segment, disc
 from contin.problems.manifolds.stroboscope import Stroboscope
 from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.rests_and_cycles import Cycle
 
 
 def of_forced(

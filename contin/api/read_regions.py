@@ -9,8 +9,9 @@ import numpy as np
 
 from contin.continuation.branch import Branch
 from contin.diagram.phase.checks import Check
-from contin.diagram.phase.diagram import PhaseDiagram, Region
+from contin.diagram.phase.diagram import PhaseDiagram
 from contin.diagram.phase.lines import Box
+from contin.diagram.phase.phase_data import Region
 from contin.diagram.phase.states import State
 from contin.errors import InputError
 from contin.records import Record

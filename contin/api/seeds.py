@@ -12,7 +12,7 @@ from contin.api.starts import equilibrium
 from contin.continuation.branch import LocusStart
 from contin.continuation.departure import Seed
 from contin.continuation.location.extrema import Extremum
-from contin.continuation.location.targets import Target
+from contin.continuation.location.user_value import Target
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.model import Model

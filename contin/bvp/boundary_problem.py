@@ -6,150 +6,38 @@ of `contin.bvp.two_point`: states, free parameters, integrals. No stability: lab
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any, Self
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.bvp import special_points
-from contin.bvp.condensed import Condensed, Workspace, linearise, residual_at
+from contin.bvp.boundary_equations import BoundaryEquations
+from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.functionals import columns_of
 from contin.bvp.kernel_at_branch_point import undetermined
 from contin.bvp.sizes import couplings, filled, noticed
-from contin.bvp.two_point import TwoPoint, two_point
 from contin.continuation import march as python_march
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.errors import InputError
-from contin.kernels.collocation import Equations
-from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.mesh.adaption import estimate
-from contin.problems.orbits.mesh.layout import Profile, make_scale, profile_of, sizes_of
+from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 from contin.problems.scales import parameter_width
 
-MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
-LONGEST_CHUNK = 50
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge a size by this factor at most
 STANDING = 1e-9  # part of the tangent below which the parameter does not change
 SAME = 1e-6  # difference of two solutions, relative to their sizes, up to which they are one
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryProblem(Problem):
-    """u' = F(u, p, s), g(u(0), u(1), p) = 0 with one parameter varying.
-
-    two : the standard form.  base : values of its parameters (m,); entry `active` varies.  points : Gauss points an
-    interval.  intervals : fixed number of mesh intervals, or None.
-    """
-
-    two: TwoPoint
-    base: Array
-    active: int
-    points: int = 4
-    intervals: int | None = None
-    tolerance: float = MESH_TOLERANCE
-    angle_periods: Array = field(default_factory=lambda: np.zeros(0))
-    spaces: dict[int, Workspace] = field(default_factory=dict)
-
-    kind = "bvp"
-    adaptive = True
-    locus = None
-    maximum_chunk = LONGEST_CHUNK
-    is_map = False
-
-    @property
-    def system(self) -> Any:
-        return self.two.system
-
-    @property
-    def n(self) -> int:
-        return self.two.n
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        return (self.two.parameters[self.active],)
-
-    @property
-    def free_names(self) -> tuple[str, ...]:
-        """Parameters that are solved for."""
-        return tuple(self.two.free)
-
-    @cached_property
-    def state_periods(self) -> Array:
-        """None of the functions is an angle."""
-        return np.zeros(self.n)
-
-    @cached_property
-    def equations(self) -> Equations:
-        """The kernels' view of the equations."""
-        scheme, system = basis(self.points), self.two.system
-        return Equations(
-            system.value_address, system.jacobian_address, self.two.period.address, 1, self.n, self.points, self.active,
-            scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(self.n),
-        )  # fmt: skip
-
-    def with_active(self, name: str, z: Array) -> BoundaryProblem:
-        """The same solutions with another parameter varying; the present one is frozen at its value in z."""
-        if name not in self.two.parameters:
-            raise InputError(f"{name} is solved for (`free`), and cannot vary too")
-        base = self.base.copy()
-        base[self.active] = z[-1]
-        return replace(self, base=base, active=self.two.parameters.index(name), spaces={})
-
-    def with_free(self, free: Sequence[str], name: str, z: Array, values: Mapping[str, float]) -> tuple[Self, Array]:
-        """The same solution z with other parameters solved for, `name` varying, and its unknowns there.
-
-        values : of all parameters. InputError where the conditions are too few or too many for `free`.
-        """
-        two, profile = two_point(self.two.model, free), self.profile(z)
-        if name not in two.parameters:
-            raise InputError(f"{name} is solved for (`free`), and cannot vary too")
-        u = profile.u.copy()
-        u[:, two.n_states : two.n_states + len(two.free)] = [values[q] for q in two.free]
-        base = np.array([values[q] for q in two.parameters])
-        problem = replace(self, two=two, base=base, active=two.parameters.index(name), spaces={})
-        return problem, replace(profile, u=u, parameter=values[name]).vector()
-
-    def workspace(self, intervals: int, p: Array) -> Workspace:
-        """The kernels' memory for this many intervals."""
-        if intervals not in self.spaces:
-            self.spaces.clear()
-            self.spaces[intervals] = Workspace.of(self.n, self.points, intervals, p)
-        work = self.spaces[intervals]
-        work.points.p[:] = p
-        return work
-
-    def profile(self, z: Array) -> Profile:
-        return profile_of(z, self.n, self.points)
-
-    def sizes(self, z: Array, scale: Array) -> Array:
-        """The functions' sizes (n,) in a metric that belongs to z's mesh."""
-        return sizes_of(scale, self.profile(z).h, self.n, self.points)
-
-    def full_parameters(self, z: Array) -> Array:
-        """All parameter values at z, and a place for s: (m + 1,)."""
-        p = np.append(self.base, 0.0)
-        p[self.active] = z[-1]
-        return p
-
-    def conditions(self, profile: Profile, p: Array) -> tuple[Array, Array]:
-        """g (n,) and its derivatives by (u(0), u(1), p)."""
-        return self.two.conditions.jacobian(profile.u[0], profile.u[-1], p[:-1])
-
-    def constants(self) -> dict[str, float]:
-        return dict(zip(self.two.parameters, self.base.tolist(), strict=True))
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        found = self.two.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
+class BoundaryProblem(BoundaryEquations):
+    """The equations of `BoundaryEquations`, followed by the march in Python."""
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 

@@ -7,14 +7,14 @@ and the border take the place of periodicity. T = 1 has a row of its own. Layout
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.kernels.collocation import evaluate, new_points, residual
-from contin.kernels.collocation_system import clear_right, expand, new_factors, reduce_right
+from contin.bvp.workspace import Workspace
+from contin.kernels.collocation import evaluate, residual
+from contin.kernels.collocation_system import clear_right, expand, reduce_right
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.filling import fill
@@ -22,24 +22,7 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:
-    from contin.bvp.boundary_problem import BoundaryProblem
-
-
-@dataclass(frozen=True, eq=False)
-class Workspace:
-    """Memory of the kernels for one mesh size; a linearisation is good until the next one is made in it."""
-
-    points: Any
-    factors: Any
-    last: Array  # (2 n + 2, 2 n + 2)
-    pivots: NDArray[np.int64]
-
-    @classmethod
-    def of(cls, n: int, m: int, intervals: int, p: Array) -> Workspace:
-        size = 2 * n + 2
-        points = new_points(n, m, intervals, p)  # type: ignore[no-untyped-call]
-        factors = new_factors(n, m, intervals)  # type: ignore[no-untyped-call]
-        return cls(points, factors, np.zeros((size, size)), np.zeros(size, np.int64))
+    from contin.bvp.boundary_equations import BoundaryEquations
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +72,7 @@ class Condensed:
         return x / self.scale
 
 
-def residual_at(problem: BoundaryProblem, z: Array) -> Array | None:
+def residual_at(problem: BoundaryEquations, z: Array) -> Array | None:
     """The residual alone, as `Condensed` has it; factors that were made before stay good. None where not finite."""
     profile = problem.profile(z)
     n, m, count = profile.n, profile.m, profile.intervals
@@ -103,7 +86,7 @@ def residual_at(problem: BoundaryProblem, z: Array) -> Array | None:
     return np.concatenate([-local.T.reshape(-1), value, [-border[0]], np.zeros(count)])
 
 
-def linearise(problem: BoundaryProblem, z: Array, tangent: Array, scale: Array) -> Condensed | None:
+def linearise(problem: BoundaryEquations, z: Array, tangent: Array, scale: Array) -> Condensed | None:
     """None where the equations are not finite; its `sign` is 0 where M is singular."""
     profile = problem.profile(z)
     n, m, count = profile.n, profile.m, profile.intervals

@@ -16,10 +16,10 @@ from contin.problems.orbits.mesh.layout import node_weights
 from contin.problems.orbits.mesh.peaks import extrema
 
 if TYPE_CHECKING:
-    from contin.bvp.boundary_problem import BoundaryProblem
+    from contin.bvp.boundary_equations import BoundaryEquations
 
 
-def columns_of(problem: BoundaryProblem, z: Array) -> dict[str, Array]:
+def columns_of(problem: BoundaryEquations, z: Array) -> dict[str, Array]:
     """The varying parameter, the free ones, NAME.start, .end, .min, .max, .norm of each state, observables.
 
     norm = sqrt(mean(x^2)) over the interval.
@@ -33,7 +33,7 @@ def columns_of(problem: BoundaryProblem, z: Array) -> dict[str, Array]:
     return columns
 
 
-def _fill(problem: BoundaryProblem, z: Array, out: dict[str, tuple[Array, NDArray[np.intp]]]) -> None:
+def _fill(problem: BoundaryEquations, z: Array, out: dict[str, tuple[Array, NDArray[np.intp]]]) -> None:
     two, m = problem.two, problem.points
     first = problem.profile(z[0])
     u = z[:, : first.u.size].reshape(len(z), -1, first.n)
@@ -61,7 +61,7 @@ def _evaluated(expression: Expression, values: dict[str, float]) -> float:
     return float(evaluate(expression, values))
 
 
-def _numbers(problem: BoundaryProblem, z: Array, u: Array, weights: Array) -> list[dict[str, float]]:
+def _numbers(problem: BoundaryEquations, z: Array, u: Array, weights: Array) -> list[dict[str, float]]:
     """For each row, the values of parameters and functionals by name."""
     two, m = problem.two, problem.points
     inner = _inner_values(problem, z, u)  # (R, K, k)
@@ -86,7 +86,7 @@ def _numbers(problem: BoundaryProblem, z: Array, u: Array, weights: Array) -> li
     return rows
 
 
-def _inner_values(problem: BoundaryProblem, z: Array, u: Array) -> Array:
+def _inner_values(problem: BoundaryEquations, z: Array, u: Array) -> Array:
     """The functions inside functionals at the nodes, (R, K, k)."""
     two = problem.two
     if not two.inner:

@@ -11,7 +11,7 @@ from contin.bvp.on_mesh import OnMesh
 from contin.errors import NotFiniteError
 
 if TYPE_CHECKING:
-    from contin.bvp.boundary_problem import BoundaryProblem
+    from contin.bvp.boundary_equations import BoundaryEquations
 
 MOST_TOLD: Final = 4  # singular values that are looked at: kernels of up to three dimensions
 VANISHING: Final = 1e-6  # a singular value below this part of the first that does not vanish is zero
@@ -19,7 +19,7 @@ NEARBY: Final = 1e-2  # a singular value below this part of the fourth one belon
 LOOSE: Final = 1e-9  # a part of the largest term below which a singular value leaves corrections of rounding only
 
 
-def undetermined(problem: BoundaryProblem, z: Array) -> str:
+def undetermined(problem: BoundaryEquations, z: Array) -> str:
     """In words, where F_u is singular to about rounding at z: which function the conditions leave free; else empty."""
     mesh = OnMesh(problem, problem.profile(z).h)
     x = mesh.unknowns(z)

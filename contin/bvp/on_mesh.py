@@ -19,12 +19,12 @@ from contin.kernels.collocation_basis import basis
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear
 from contin.problems.orbits.mesh.layout import Profile
-from contin.problems.sparse.large_equilibrium import LargeLinearisation
+from contin.problems.sparse.large_equations import LargeLinearisation
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from contin.bvp.boundary_problem import BoundaryProblem
+    from contin.bvp.boundary_equations import BoundaryEquations
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Evaluated:
 class OnMesh:
     """The equations of `problem` on the mesh h (N,)."""
 
-    problem: BoundaryProblem
+    problem: BoundaryEquations
     h: Array
     factoriser: Factoriser = field(default_factory=Factoriser)
     _last: Evaluated | None = None

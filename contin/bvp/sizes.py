@@ -15,12 +15,12 @@ import numpy as np
 from contin.abi import Array
 
 if TYPE_CHECKING:
-    from contin.bvp.boundary_problem import BoundaryProblem
+    from contin.bvp.boundary_equations import BoundaryEquations
 
 UNNOTICED: Final = 1e-11  # part of the noticed size that may be what remains of a zero after a Newton step
 
 
-def couplings(problem: BoundaryProblem, z: Array) -> Array:
+def couplings(problem: BoundaryEquations, z: Array) -> Array:
     """Largest |dF_i / du_k| over the mesh points, (n, n); entries that are not finite count as zero."""
     profile = problem.profile(z)
     at = slice(None, None, problem.points)

@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp import normal_forms
-from contin.bvp.condensed import residual_at
+from contin.bvp.condensed import linearise, residual_at
 from contin.bvp.kernel_at_branch_point import kernel_dimension, nearly_null, null_vector
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
@@ -26,7 +26,7 @@ from contin.problems.sparse.special_points import secant
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.bvp.boundary_problem import BoundaryProblem
+    from contin.bvp.boundary_equations import BoundaryEquations
 
 RESIDUAL_LIMIT = 1e-7
 NEWTON = 20  # iterations with a fixed parameter
@@ -54,7 +54,7 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("LP",) if fold else ()
 
 
-def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The point of this type near a sample, to full precision."""
     mesh = OnMesh(problem, problem.profile(near.z).h)
     here = _in_unknowns(mesh, near)
@@ -74,7 +74,7 @@ def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> 
     return Verified(type_, mesh.full(x), residual, error, NO_VALUES, 0, form, vectors, crowded=crowded)
 
 
-def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+def verify_compound(problem: BoundaryEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
     """Several changes at one place: the branch points there, else a fold."""
     types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
     if not types:
@@ -82,7 +82,7 @@ def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame
     return _together(problem, a, frame) if types[0] == "BP" else [verify(problem, "LP", a, frame)]
 
 
-def _together(problem: BoundaryProblem, near: Sample, frame: Frame) -> Sequence[Outcome]:
+def _together(problem: BoundaryEquations, near: Sample, frame: Frame) -> Sequence[Outcome]:
     """The branch points next to a sample, one for each small singular value, and a word where fewer are found."""
     mesh = OnMesh(problem, problem.profile(near.z).h)
     here, local = _in_unknowns(mesh, near), Frame(mesh.unknowns(frame.scale))
@@ -186,7 +186,7 @@ def _decided(mesh: OnMesh, x: Array, form: Fields, error: float) -> Fields:
 
 
 def _on_finer_mesh(
-    problem: BoundaryProblem, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
+    problem: BoundaryEquations, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
 ) -> float | None:
     """The parameter of the same point where every interval is halved."""
     h = np.repeat(0.5 * mesh.h, 2)
@@ -201,7 +201,7 @@ def _on_finer_mesh(
     return None if isinstance(found, Rejected) else float(found[0][-1])
 
 
-def tangents(problem: BoundaryProblem, z: Array, scale: Array) -> list[Array]:
+def tangents(problem: BoundaryEquations, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the branches through z: one, or at a branch point two."""
     mesh = OnMesh(problem, problem.profile(z).h)
     x, d = mesh.unknowns(z), mesh.unknowns(scale)
@@ -224,7 +224,7 @@ def embedded(mesh: OnMesh, x: Array) -> Array:
     return out / norm(out)
 
 
-def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Array) -> Array | None:
+def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
     """Newton with the parameter fixed, damped by the natural monotonicity test (Deuflhard 2004); None: failed."""
     fixed = np.zeros_like(scale)
     fixed[-1] = 1.0
@@ -232,7 +232,7 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
     z[-1] = value
     before, damping = np.inf, 1.0
     for _ in range(NEWTON):
-        here = problem.linearisation(z, fixed, scale)
+        here = linearise(problem, z, fixed, scale)
         if here is None or here.sign == 0.0:
             return None
         step = here.solve(np.append(-here.residual, 0.0))
@@ -257,7 +257,7 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
     return None
 
 
-def at_parameter_from_afar(problem: BoundaryProblem, guess: Array, value: float, scale: Array) -> Array | None:
+def at_parameter_from_afar(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
     """Newton with the parameter fixed and whole steps, as far as they lead; None: no solution in `LONG` iterations.
 
     Where damping keeps a guess between two solutions, whole steps leave that place. (Guesses of localised patterns of
@@ -268,7 +268,7 @@ def at_parameter_from_afar(problem: BoundaryProblem, guess: Array, value: float,
     z = guess.copy()
     z[-1] = value
     for _ in range(LONG):
-        here = problem.linearisation(z, fixed, scale)
+        here = linearise(problem, z, fixed, scale)
         if here is None or here.sign == 0.0:
             return None
         step = here.solve(np.append(-here.residual, 0.0))
@@ -281,7 +281,7 @@ def at_parameter_from_afar(problem: BoundaryProblem, guess: Array, value: float,
     return None
 
 
-def met_to_rounding(problem: BoundaryProblem, z: Array) -> bool:
+def met_to_rounding(problem: BoundaryEquations, z: Array) -> bool:
     """Whether the residual at z is rounding of its own terms: corrections are then noise, however nearly singular F_u.
 
     (A pulse on a long interval moves by exp(-length) for conditions at its ends: its place is known to no more.)

@@ -17,8 +17,7 @@ from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
 
 if TYPE_CHECKING:
-    from contin.runs.plans import Plan
-    from contin.runs.simulation_plan import SimulationPlan
+    from contin.runs.plans import Plan, SimulationPlan
 
 
 def simulated_outputs(plan: Plan, document: Record) -> list[Output]:

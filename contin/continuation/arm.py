@@ -13,8 +13,8 @@ from contin.continuation.branch import End
 from contin.continuation.defects import contained
 from contin.continuation.last_step import Again, Behind, Course, resolve
 from contin.continuation.location.isolate import LOST_IN_ROUNDING
-from contin.continuation.location.targets import Target
 from contin.continuation.location.through_zero import ThroughZero
+from contin.continuation.location.user_value import Target
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.problem import (
     Chunk,

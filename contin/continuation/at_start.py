@@ -8,8 +8,9 @@ from contin.continuation.curve import Stretch
 from contin.continuation.departure import Departure
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.found import Found
-from contin.continuation.location.targets import Target, Wanted
+from contin.continuation.location.targets import Wanted
 from contin.continuation.location.turning import between
+from contin.continuation.location.user_value import Target
 from contin.continuation.problem import Frame, Sample, Verified
 
 

@@ -3,24 +3,54 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from contin.abi import Array
 from contin.errors import InputError
 
-if TYPE_CHECKING:
-    from contin.continuation.branch import Branch
+
+class Ended(Protocol):
+    @property
+    def text(self) -> str: ...
 
 
-def dataframe(branch: Branch) -> Any:
+class Labelled(Protocol):
+    @property
+    def label(self) -> str: ...
+    @property
+    def index(self) -> int: ...
+    @property
+    def values(self) -> Mapping[str, float]: ...
+
+
+class Tabular(Protocol):
+    """What a table takes from a branch."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def parameters(self) -> Sequence[str]: ...
+    @property
+    def columns(self) -> Mapping[str, Array]: ...
+    @property
+    def points(self) -> Sequence[Labelled]: ...
+    @property
+    def ends(self) -> Sequence[Ended]: ...
+    def __len__(self) -> int: ...
+
+
+def dataframe(branch: Tabular) -> Any:
     """A row for each row, a column for each column; `label` is the label of a labelled row, else ''."""
     return _library("pandas").DataFrame({"label": _labels(branch), **branch.columns})
 
 
-def dataframes(branches: Sequence[Branch]) -> Any:
+def dataframes(branches: Sequence[Tabular]) -> Any:
     """All branches below each other, indexed by `branch` (its name) and `row`; what a branch lacks is missing (NaN)."""
     pandas = _library("pandas")
     if not branches:
@@ -29,7 +59,7 @@ def dataframes(branches: Sequence[Branch]) -> Any:
     return pandas.concat(tables, names=["branch", "row"])
 
 
-def dataset(branch: Branch) -> Any:
+def dataset(branch: Tabular) -> Any:
     """The columns over the dimension `row`, with `label` as a coordinate; attributes say what the branch is."""
     columns = {name: ("row", np.asarray(column)) for name, column in branch.columns.items()}
     labels = ("row", np.array(_labels(branch), dtype=str))
@@ -43,7 +73,7 @@ def dataset(branch: Branch) -> Any:
     return _library("xarray").Dataset(columns, coords={"label": labels}, attrs=attributes)
 
 
-def _labels(branch: Branch) -> list[str]:
+def _labels(branch: Tabular) -> list[str]:
     labels = [""] * len(branch)
     for point in branch.points:
         labels[point.index] = point.label

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError
 
-if TYPE_CHECKING:
-    from contin.continuation.branch import SpecialPoint
+
+class WithEigenfunctions(Protocol):
+    """An orbit with its equations."""
+
+    @property
+    def eigenfunctions(self) -> NDArray[np.complex128]: ...
+
+
+class Computed(Protocol):
+    """A labelled point as it was computed, with its equations."""
+
+    @property
+    def orbit(self) -> WithEigenfunctions: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +51,9 @@ class StoredProblem:
     parameters: tuple[str, ...]
     where: str
     orbit: Mapping[str, Sequence[float | None]] | None
-    solution: Callable[[], SpecialPoint] | None = None  # reads the point as it was computed, with its equations
+    solution: Callable[[], Computed] | None = None  # reads the point as it was computed, with its equations
 
-    def computed(self) -> SpecialPoint:
+    def computed(self) -> Computed:
         """The point as it was computed; InputError where the file does not have it."""
         if self.solution is None:
             raise InputError(
@@ -62,11 +74,3 @@ class StoredProblem:
         t = np.array(self.orbit["t"], dtype=float)
         u = np.column_stack([np.array(self.orbit[name], dtype=float) for name in self.system.state_names])
         return StoredProfile((t - t[0]) / (t[-1] - t[0]), u, float(t[-1] - t[0]))
-
-
-def as_computed(point: SpecialPoint) -> SpecialPoint:
-    """A point with its equations; one from a file as it was computed. InputError where the file does not have it."""
-    problem = point.problem
-    if not isinstance(problem, StoredProblem):
-        return point
-    return problem.computed()

@@ -42,10 +42,10 @@ class Diagram(BranchesByName):
     @property
     def graph(self) -> MultiGraph:
         """Special points and ends as nodes, the pieces of branches between them as edges (a networkx.MultiGraph)."""
-        return build_graph(self)
+        return build_graph(self.parameter, self.branches)
 
     def __str__(self) -> str:
-        return report(self)
+        return report(self.parameter, self.bounds, self.branches, self.notes)
 
     def extend(self, branch: str, end: str = "last", bounds: tuple[float, float] | None = None) -> Branch:
         """Follow a branch beyond its `first` or `last` row, within other bounds; the new piece joins the diagram."""

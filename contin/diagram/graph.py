@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,17 +14,16 @@ if TYPE_CHECKING:
 
     from contin.abi import Array
     from contin.continuation.branch import Branch
-    from contin.diagram.diagram import Diagram
 
 SAME_NODE = 1e-7  # distance of two points that are one node, relative to the size of each unknown on the branch
 
 
-def build_graph(diagram: Diagram) -> MultiGraph:
+def build_graph(parameter: str, branches: Sequence[Branch]) -> MultiGraph:
     """Nodes carry `type`, `labels` (branch.label of every branch through it), `parameter` and `z`; edges `branch`,
     `rows` (first, last) and `stable` (of the piece's middle row)."""
     import networkx as nx
 
-    graph = nx.MultiGraph(parameter=diagram.parameter)
+    graph = nx.MultiGraph(parameter=parameter)
     places: list[tuple[Any, Any, Any]] = []  # z, angle periods, node
 
     def node_at(z: Array, size: Array, periods: Array, type_: str, label: str | None, value: float) -> Any:
@@ -39,7 +39,7 @@ def build_graph(diagram: Diagram) -> MultiGraph:
         graph.add_node(node, type=type_, labels=[label] if label else [], parameter=value, z=z)
         return node
 
-    for branch in diagram.branches:
+    for branch in branches:
         unknowns, periods = _unknowns(branch)
         size = np.maximum(np.abs(unknowns).max(axis=0), 1e-3 * np.abs(unknowns).max())
         stops: list[tuple[int, Any]] = []
@@ -54,7 +54,7 @@ def build_graph(diagram: Diagram) -> MultiGraph:
                 merged[row] = (type_, label)
         rows = sorted(merged)
         nodes = [
-            node_at(unknowns[row], size, periods, *merged[row], float(branch.columns[diagram.parameter][row]))
+            node_at(unknowns[row], size, periods, *merged[row], float(branch.columns[parameter][row]))
             for row in rows
         ]
         for (first, a), (last, b) in zip(

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.normalforms.words import describe
 
 if TYPE_CHECKING:
-    from contin.diagram.diagram import Diagram
+    from contin.continuation.branch import Branch
 
 
-def report(diagram: Diagram) -> str:
+def report(parameter: str, bounds: tuple[float, float], branches: Sequence[Branch], notes: Sequence[str]) -> str:
     """Branches with their special points and ends, then notes."""
-    computed = [b for b in diagram.branches if b.image_of is None]
-    mirrored = len(diagram.branches) - len(computed)
+    computed = [b for b in branches if b.image_of is None]
+    mirrored = len(branches) - len(computed)
     images = f" and {mirrored} mirror image{'s' if mirrored != 1 else ''}" if mirrored else ""
     lines = [
         f"{len(computed)} branch{'es' if len(computed) != 1 else ''}{images} "
-        f"in {diagram.parameter} from {diagram.bounds[0]:g} to {diagram.bounds[1]:g}"
+        f"in {parameter} from {bounds[0]:g} to {bounds[1]:g}"
     ]
-    for branch in diagram.branches:
+    for branch in branches:
         lines += ["", *_branch_lines(branch)]
-    if diagram.notes:
-        lines += ["", "notes:", *(f"  {note}" for note in diagram.notes)]
+    if notes:
+        lines += ["", "notes:", *(f"  {note}" for note in notes)]
     return "\n".join(lines)
 
 

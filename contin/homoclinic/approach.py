@@ -10,9 +10,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError, NoSolutionError
-from contin.homoclinic.cycle_ends import Cycle, Rest
 from contin.homoclinic.guesses import until_lost
 from contin.machine import elementary
+from contin.problems.orbits.rests_and_cycles import Cycle, Rest
 from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:

@@ -24,10 +24,10 @@ from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.approach import Approach, approaches
 from contin.homoclinic.cycle_connection_problem import ConnectionToCycle, CurveOfConnections, Homotopy
-from contin.homoclinic.cycle_ends import Cycle, Rest
 from contin.machine import elementary
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile, node_times
+from contin.problems.orbits.rests_and_cycles import Cycle, Rest
 from contin.symbolic.passes.connecting import (
     DISTANCE,
     MISS,

@@ -31,8 +31,8 @@ from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import tests_of_connections
 
 if TYPE_CHECKING:
+    from contin.homoclinic.curve_of_connections import CurveOfConnections
     from contin.homoclinic.equations import ConnectionCurve
-    from contin.homoclinic.saddle_connections import ConnectionProblem
 
 LOST: Final = 1e-6  # rate of an unstable direction of a reversible flow, of the largest, at which it is none any more
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
@@ -121,12 +121,12 @@ def _same_sense(memory: dict[str, Array], adjoint: Array) -> Array:
     return adjoint
 
 
-def explain(problem: ConnectionProblem, a: Sample, b: Sample) -> tuple[str, ...] | None:
+def explain(problem: CurveOfConnections, a: Sample, b: Sample) -> tuple[str, ...] | None:
     changed = changes(problem, a, b)
     return changed if len(changed) <= 1 else None
 
 
-def changes(problem: ConnectionProblem, a: Sample, b: Sample) -> tuple[str, ...]:
+def changes(problem: CurveOfConnections, a: Sample, b: Sample) -> tuple[str, ...]:
     """The tests that change sign between two points; of connections that persist, the fold of their branch too."""
     names, start = (FOLD, *tests_of_connections()), (a.tests[0], *a.tests[2:])
     signs = zip(names, start, (b.tests[0], *b.tests[2:]), strict=True)
@@ -140,7 +140,7 @@ def watch(type_: str) -> int | None:
     return 2 + tests.index(type_) if type_ in tests else None
 
 
-def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: CurveOfConnections, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test along the curve."""
     index = watch(type_)
     assert index is not None
@@ -159,7 +159,7 @@ def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -
     return Verified(_named(type_, found.eigenvalues), found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 
-def _vanishes(problem: ConnectionProblem, found: Sample, frame: Frame, index: int) -> bool:
+def _vanishes(problem: CurveOfConnections, found: Sample, frame: Frame, index: int) -> bool:
     """True where a test is as small beside its zero as at it."""
     settings = Settings()
     ahead = found.z + frame.scale * ASIDE * found.tangent

@@ -20,7 +20,8 @@ from contin.abi import Array
 from contin.continuation.march import correct
 from contin.continuation.problem import Failure
 from contin.errors import InputError, NoSolutionError
-from contin.homoclinic.equations import ConnectionCurve, Gauge
+from contin.homoclinic.connection_layout import Gauge
+from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.interval import Reach, distances, fitted
 from contin.homoclinic.projections import arriving_parts
 from contin.homoclinic.saddle_connections import ConnectionProblem

@@ -22,7 +22,7 @@ from contin.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.ends.saddle_node import fold_scalar
 
 if TYPE_CHECKING:
-    from contin.homoclinic.equations import ConnectionCurve
+    from contin.homoclinic.connection_layout import ConnectionLayout
 
 STEP: Final = 1e-6  # of the differences of f_u, relative
 
@@ -38,7 +38,7 @@ class Projections:
     by_parameters: Array  # (k, 2): the second parameter (or t), the first one
 
 
-def projections(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
+def projections(curve: ConnectionLayout, z: Array, sizes: Array) -> Array:
     """The conditions alone, (k,)."""
     ends = curve.equilibria(z)
     start, _ = curve.offsets(z, sizes)
@@ -53,7 +53,7 @@ def projections(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
     return np.concatenate(conditions)
 
 
-def arriving_parts(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
+def arriving_parts(curve: ConnectionLayout, z: Array, sizes: Array) -> Array:
     """What vanishes at the orbit's end: its unstable parts, or the distance from the fixed space of a reversor."""
     if curve.reversor is not None:
         return curve.reversor.missed(z[: curve.nodes(z)][-curve.n :], sizes)
@@ -61,7 +61,7 @@ def arriving_parts(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
     return np.asarray(basis_at(curve, curve.equilibria(z)[-1], z, sizes, False).T @ finish)
 
 
-def linearised_projections(curve: ConnectionCurve, z: Array, sizes: Array, units: Array) -> Projections:
+def linearised_projections(curve: ConnectionLayout, z: Array, sizes: Array, units: Array) -> Projections:
     """The conditions and their derivatives; `units` (2,) of the second and the first parameter."""
     n, ends = curve.n, curve.equilibria(z)
     start, finish = curve.offsets(z, sizes)
@@ -94,7 +94,7 @@ def linearised_projections(curve: ConnectionCurve, z: Array, sizes: Array, units
     return Projections(values, by_first, by_last, by_saddles, by_parameters)
 
 
-def basis_at(curve: ConnectionCurve, u: Array, z: Array, sizes: Array, stable: bool) -> Array:
+def basis_at(curve: ConnectionLayout, u: Array, z: Array, sizes: Array, stable: bool) -> Array:
     """L_s or L_u, (n, count), at a state, scaled by the reference."""
     count = curve.stable_count if stable else curve.unstable_count
     reference = curve.gauge.stable if stable else curve.gauge.unstable
@@ -114,7 +114,7 @@ def turned(matrix: Array, basis: Array, reference: Array | None, changes: Array)
     return np.asarray(solved.reshape(len(changes), count, n).transpose(0, 2, 1))
 
 
-def _changes(curve: ConnectionCurve, u: Array, z: Array, sizes: Array, units: Array) -> Array:
+def _changes(curve: ConnectionLayout, u: Array, z: Array, sizes: Array, units: Array) -> Array:
     """Derivatives (n + 2, n, n) of the scaled matrix by the state, the second and the first parameter."""
     n = curve.n
     found = np.empty((n + 2, n, n))
@@ -132,7 +132,7 @@ def _changes(curve: ConnectionCurve, u: Array, z: Array, sizes: Array, units: Ar
 
 
 def _fold(
-    curve: ConnectionCurve, u: Array, z: Array, sizes: Array, units: Array, by_saddles: Array, by_parameters: Array
+    curve: ConnectionLayout, u: Array, z: Array, sizes: Array, units: Array, by_saddles: Array, by_parameters: Array
 ) -> None:  # fmt: skip
     """The last rows, of the fold: by differences."""
     assert curve.gauge.borders is not None

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,19 +15,18 @@ from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verifie
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NoSolutionError
 from contin.homoclinic import events
-from contin.homoclinic.equations import ConnectionCurve, Gauge
+from contin.homoclinic.connection_layout import Gauge
+from contin.homoclinic.curve_of_connections import CurveOfConnections
 from contin.homoclinic.interval import farther, fits, fitted
 from contin.homoclinic.surfaces import surface_met, why_not
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.tangent_solver import Factorised, factorised
-from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.measured.columns import of_one_size, orbit_columns
 from contin.problems.orbits.mesh.adaption import choose_mesh, estimate
-from contin.problems.orbits.mesh.layout import Profile, make_scale, sizes_of
+from contin.problems.orbits.mesh.layout import make_scale, sizes_of
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.problems.two_parameters import UNBOUNDED
-from contin.records import Fields
 from contin.special.table import tests_of_connections
 
 if TYPE_CHECKING:
@@ -40,44 +38,8 @@ ALIKE = 1e-6  # relative distance of parameters below which two points are one
 
 
 @dataclass(frozen=True, eq=False)
-class ConnectionProblem(MarchedInPython):
+class ConnectionProblem(CurveOfConnections):
     """See `contin.homoclinic.equations` for the unknowns and equations."""
-
-    curve: ConnectionCurve
-    _last: Fields = field(default_factory=dict)
-
-    maximum_chunk = 5  # a step takes some 20 ms
-
-    @property
-    def isolated(self) -> bool:
-        """True where connections persist at fixed parameters: one parameter varies along a branch of them."""
-        return len(self.curve.slots) == 1
-
-    @property
-    def kind(self) -> str:  # type: ignore[override]
-        return "connection" if self.isolated else "locus"
-
-    @property
-    def locus(self) -> str | None:  # type: ignore[override]
-        return None if self.isolated else str(self.curve.type)
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        names = self.system.parameter_names
-        both = names[self.curve.first], names[self.curve.second]
-        return both[:1] if self.isolated else both
-
-    def profile(self, z: Array) -> Profile:
-        """The whole orbit of a point."""
-        return self.curve.orbit_of(z)
-
-    def orbit_at(self, z: Array) -> Profile:
-        return self.profile(z)
-
-    def at_held(self, z: Array, scale: Array) -> Array | None:
-        """Solved with the second parameter as it is; where that is no unknown, the first one."""
-        slot = -1 if self.isolated else -2
-        return self.at_unknown(slot, z, float(z[slot]), scale)
 
     # -- metric -------------------------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import ContinError, InputError, NoSolutionError
-from contin.homoclinic.equations import Gauge
+from contin.homoclinic.connection_layout import Gauge
 from contin.homoclinic.from_table import laid
 from contin.homoclinic.interval import piece_of
 from contin.homoclinic.lins_method import Pieces, Section

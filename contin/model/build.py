@@ -42,7 +42,7 @@ from contin.model.values import parameter_values
 from contin.records import Record
 
 if TYPE_CHECKING:
-    from contin.model.model import Model
+    from contin.model.model_parts import ModelParts
 
 
 def parts_from_mapping(
@@ -77,7 +77,7 @@ def without_collection(wanted: bool) -> Iterator[None]:
             gc.enable()
 
 
-def start_from_mapping(model: Model, mapping: Record) -> Start:
+def start_from_mapping(model: ModelParts, mapping: Record) -> Start:
     """A start written as a mapping of states, and `parameters`, to values."""
     problems = Problems(CallSource(f"start of model {model.name}"))
     data = plain(mapping)

@@ -18,7 +18,7 @@ from contin.model.scope import Calls, Scope
 from contin.model.source import Path, Problems
 
 if TYPE_CHECKING:
-    from contin.model.model import Model
+    from contin.model.model_parts import ModelParts
 
 ENDS: Final = ("start", "end")
 MEASURES: Final = ("integral", "mean", "norm", "max", "min")
@@ -100,7 +100,7 @@ class FunctionalReader:
         return symbol(name)
 
 
-def condition_count(model: Model, free: Sequence[str]) -> str:
+def condition_count(model: ModelParts, free: Sequence[str]) -> str:
     """What is wrong with the number of conditions, or of free parameters, in words."""
     states, conditions = len(model.states), len(model.conditions)
     needed = conditions - states

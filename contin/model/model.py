@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,25 +17,13 @@ from contin.model.build import parts_from_mapping, start_from_mapping
 from contin.model.evaluate import evaluate_all
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, depends_on, number, symbol
+from contin.model.model_parts import ModelParts
 from contin.model.parser import parse
 from contin.model.parts import (
     TIME,
-    Averaging,
-    Condition,
-    Constraints,
-    Event,
-    Expectation,
-    Forcing,
-    Functional,
-    Interval,
-    Limit,
-    Parameter,
     Start,
-    State,
     Symmetry,
-    Total,
 )
-from contin.model.scope import Function
 from contin.model.source import CallSource
 from contin.model.totals import with_totals
 from contin.model.values import Override, parameter_values
@@ -46,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Model:
+class Model(ModelParts):
     """A system d(state)/dt = equations(state, parameters) (kind 'flow') or next state = equations (kind 'map').
 
     Of kind 'algebraic' the equations vanish. Of kind 'bvp' they are d(state)/dt on an interval (`interval`), with
@@ -63,34 +51,6 @@ class Model:
     `mass`: rows of the matrix M in M d(state)/dt = equations, {state: {state: entry}}; rows left out are those of the
     identity. `constraints`: set by the pass that turns such a flow into one without M (`symbolic.passes.index_one`).
     """
-
-    name: str
-    states: tuple[State, ...]
-    parameters: tuple[Parameter, ...]
-    equations: tuple[Expression, ...]
-    kind: Literal["flow", "map", "bvp", "algebraic"] = "flow"
-    title: str | None = None
-    source: str | None = None
-    description: str | None = None
-    functions: Mapping[str, Function] = field(default_factory=dict)
-    definitions: Mapping[str, Expression] = field(default_factory=dict)
-    observables: Mapping[str, Expression] = field(default_factory=dict)
-    labels: Mapping[str, str] = field(default_factory=dict)
-    symmetries: tuple[Symmetry, ...] = ()
-    rotation: Mapping[str, Expression] = field(default_factory=dict)
-    starts: tuple[Start, ...] = ()
-    averaging: Averaging | None = None
-    forcing: Forcing | None = None
-    limits: tuple[Limit, ...] = ()
-    events: tuple[Event, ...] = ()  # jumps of the states, for simulations
-    interval: Interval | None = None
-    conditions: tuple[Condition, ...] = ()
-    functionals: Mapping[str, Functional] = field(default_factory=dict)
-    mass: Mapping[str, Mapping[str, Expression]] = field(default_factory=dict)
-    constraints: Constraints | None = None
-    expect: tuple[Expectation, ...] = ()
-    conserved: bool = True  # branches are followed at fixed conserved totals (`contin.symbolic.passes.conserved`)
-    totals: tuple[Total, ...] = ()  # the pass has done so
 
     def __init__(self, name: str, **entries: object) -> None:
         parts = parts_from_mapping({"name": name, **entries}, CallSource(f"Model({name!r})"))
@@ -134,26 +94,6 @@ class Model:
         return lazy.module("yaml").load_model_text, (self.text(), self.name, False)
 
     # What it holds ----------------------------------------------------------------------------------------------------
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """Names of the states in the order of the vector u."""
-        return tuple(s.name for s in self.states)
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Names of the parameters in the order of the vector p."""
-        return tuple(p.name for p in self.parameters)
-
-    @property
-    def starting_names(self) -> tuple[str, ...]:
-        """States that a start may give: those of the vector u, and those that conserved totals eliminated."""
-        return (*self.state_names, *(t.state.name for t in self.totals))
-
-    @property
-    def equation_map(self) -> dict[str, Expression]:
-        """State name -> right-hand side."""
-        return dict(zip(self.state_names, self.equations, strict=True))
 
     def symmetry(self, name: str) -> Symmetry:
         """The declared symmetry of this name."""

@@ -14,7 +14,7 @@ from contin.model.schema import FORMAT_VERSION
 from contin.model.totals import total_lines
 
 if TYPE_CHECKING:
-    from contin.model.model import Model
+    from contin.model.model_parts import ModelParts
 
 _PLAIN = re.compile(r"[^\W\d_][\w .,;()/^*+=<>!-]*|-[\w.(][\w .,;()/^*+=<>!-]*|[(0-9.][\w .,;()/^*+=<>!-]*")
 _WORDS = frozenset({"null", "true", "false", "~"})  # plain scalars that YAML would not read as texts
@@ -25,12 +25,12 @@ def definition_names(definitions: Mapping[str, Expression]) -> dict[Expression, 
     return {node: name for name, node in definitions.items() if node.args}
 
 
-def model_text(model: Model) -> str:
+def model_text(model: ModelParts) -> str:
     """The model file (YAML). Formulas use the definitions' names wherever the same part occurs."""
     return "\n".join(_lines(model)) + "\n"
 
 
-def _lines(model: Model) -> Iterator[str]:
+def _lines(model: ModelParts) -> Iterator[str]:
     names = definition_names(model.definitions)
 
     def formula(node: Expression) -> str:
@@ -84,7 +84,7 @@ def _lines(model: Model) -> Iterator[str]:
     yield from _declarations(model, formula)
 
 
-def _names(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
+def _names(model: ModelParts, formula: Callable[[Expression], str]) -> Iterator[str]:
     """States and parameters, with what is declared of each."""
     yield "states:" if model.states else "states: {}"
     for s in model.states:
@@ -105,7 +105,7 @@ def _names(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
             yield f"  {_key(p.name)}: {_entry(formula(p.value), more, p.unit, p.description)}"
 
 
-def _averaging(model: Model) -> Iterator[str]:
+def _averaging(model: ModelParts) -> Iterator[str]:
     item = model.averaging
     if item is None:
         return
@@ -127,7 +127,7 @@ def _harmonic(number: int) -> dict[str, str]:
     return {} if number == 1 else {"harmonic": str(number)}
 
 
-def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
+def _declarations(model: ModelParts, formula: Callable[[Expression], str]) -> Iterator[str]:
     """What follows the equations and their symmetries: starts, averaging, forcing, limits and expected points."""
     if model.starts:
         yield "starts:"
@@ -166,7 +166,7 @@ def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterato
             yield f"  - {_mapping(values)}"
 
 
-def _totals(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
+def _totals(model: ModelParts, formula: Callable[[Expression], str]) -> Iterator[str]:
     """What is known of conserved totals."""
     if not model.conserved:
         yield "conserved: false"
@@ -220,7 +220,7 @@ def _data(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def model_latex(model: Model) -> str:
+def model_latex(model: ModelParts) -> str:
     """Equations and definitions in a LaTeX `align*` environment."""
     names = definition_names(model.definitions)
     mark = r"\dot{%s}" if model.kind == "flow" else r"%s \mapsto"
@@ -234,7 +234,7 @@ def model_latex(model: Model) -> str:
     return "\\begin{align*}\n  " + " \\\\\n  ".join(lines) + "\n\\end{align*}"
 
 
-def summary(model: Model) -> str:
+def summary(model: ModelParts) -> str:
     """A few lines for people: equations, parameters, and what else is declared."""
     names = definition_names(model.definitions)
     lines = [f"{model.name}: {model.title}" if model.title else model.name]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 from contin.notebook import html
+from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.api.surveys import Survey
+    from matplotlib.figure import Figure
+
     from contin.continuation.orbit import Orbit
     from contin.exponents.spectrum import LyapunovSpectrum
     from contin.simulate.run import Simulation
@@ -49,7 +52,21 @@ def orbit_page(orbit: Orbit) -> str:
     )
 
 
-def survey_page(survey: Survey) -> str:
+class Surveyed(Protocol):
+    """What a page shows of a survey."""
+
+    @property
+    def model(self) -> str: ...
+    @property
+    def columns(self) -> Fields: ...
+    @property
+    def rows(self) -> Sequence[Any]: ...
+    @property
+    def notes(self) -> Sequence[str]: ...
+    def plot(self) -> Figure: ...
+
+
+def survey_page(survey: Surveyed) -> str:
     """The bars, a table in words, notes."""
     columns = survey.columns
     rows = [

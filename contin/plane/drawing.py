@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from contin.plane.portrait import PhasePlane
+    from contin.plane.plane_parts import PlaneParts
 
 ARROWS: Final = 21  # along each side
 FILLS: Final = {
@@ -34,7 +34,7 @@ DASHES: Final = {"unstable": "-", "stable": "--"}
 SIZE: Final = (5.2, 5.0)
 
 
-def drawn(plane: PhasePlane, ax: Axes | None, options: Mapping[str, object]) -> Figure:
+def drawn(plane: PlaneParts, ax: Axes | None, options: Mapping[str, object]) -> Figure:
     """Everything, with a legend below (inside, where `ax` is the caller's)."""
     look = Look.of(options)
     x, y = plane.field.names
@@ -48,7 +48,7 @@ def drawn(plane: PhasePlane, ax: Axes | None, options: Mapping[str, object]) -> 
     return drawing
 
 
-def _draw(plane: PhasePlane, ax: Axes, look: Look) -> None:
+def _draw(plane: PlaneParts, ax: Axes, look: Look) -> None:
     x, y = plane.field.names
     periods = plane.field.periods
     _arrows(plane, ax)
@@ -107,7 +107,7 @@ def arrow_places(window: Array) -> Array:
     return np.column_stack([x.ravel(), y.ravel()])
 
 
-def _arrows(plane: PhasePlane, ax: Axes) -> None:
+def _arrows(plane: PlaneParts, ax: Axes) -> None:
     """The direction field: arrows of one length, as steep as trajectories are in the picture."""
     widths = plane.window[:, 1] - plane.window[:, 0]
     points = arrow_places(plane.window)

@@ -12,15 +12,16 @@ from contin.abi import Array
 from contin.api.searches import reach_of
 from contin.errors import InputError
 from contin.model.model import Model
-from contin.plane.cycles import Cycle, cycles
+from contin.plane.cycles import cycles
 from contin.plane.drawing import arrow_places, drawn
 from contin.plane.factors import components
-from contin.plane.field import PlanarField, Shown, TwoStates, planar_field
+from contin.plane.field import PlanarField, TwoStates, planar_field
 from contin.plane.flights import Flight, fly
 from contin.plane.iterates import iterate
 from contin.plane.nullclines import nullcline
+from contin.plane.plane_parts import PlaneParts
 from contin.plane.rest import Rest, rests
-from contin.plane.separatrices import Separatrix, separatrices
+from contin.plane.separatrices import separatrices
 from contin.records import Fields, Record
 
 if TYPE_CHECKING:
@@ -36,22 +37,13 @@ BESIDE: Final = 0.01  # of the window: where trajectories that look for cycles b
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PhasePlane:
+class PhasePlane(PlaneParts):
     """The plane of two states of a flow or map at fixed parameters; all points are (x, y).
 
     window [[x0, x1], [y0, y1]].  nullclines: of each of the two states, curves (K, 2).  rests: equilibria (fixed
     points) with types.  separatrices: halves of the manifolds of saddles.  cycles: limit cycles that were met.
     trajectories: from the given points.  notes: what is not known, and what is held.
     """
-
-    field: Shown
-    window: Array
-    nullclines: tuple[tuple[Array, ...], tuple[Array, ...]]
-    rests: tuple[Rest, ...]
-    separatrices: tuple[Separatrix, ...]
-    cycles: tuple[Cycle, ...]
-    trajectories: tuple[Flight, ...]
-    notes: tuple[str, ...]
 
     def plot(self, ax: Axes | None = None, **options: object) -> Figure:
         """A matplotlib figure, or the plane drawn into `ax`.

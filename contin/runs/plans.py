@@ -12,7 +12,6 @@ from contin.runs.samples import Samples
 
 if TYPE_CHECKING:
     from contin.model.model import Model
-    from contin.runs.simulation_plan import SimulationPlan, SweepPlan
     from contin.runs.stored_starts import StoredStart
 
 Number = float | int | str | Any  # a number, or a formula in the parameters
@@ -74,6 +73,38 @@ class PhasePlan:
     starts: Sequence[StartPoint] = (None,)
     settings: Record = field(default_factory=dict)
     orbits: bool = True
+
+
+@dataclass(frozen=True)
+class SimulationPlan:
+    """One trajectory."""
+
+    name: str
+    model: Any
+    start: StartPoint
+    parameters: Record
+    time: float
+    transient: float
+    exponents: int | None = None
+    options: Record = field(default_factory=dict)
+    outputs: Mapping[str, FilePath] = field(default_factory=dict)  # plot, csv
+    look: Record = field(default_factory=dict)  # of the picture, as `contin.plot.look.Look.of` takes it
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """A parameter stepped up and down."""
+
+    model: Any
+    parameter: str
+    range: tuple[float, float]
+    start: StartPoint
+    parameters: Record
+    steps: int
+    down: bool
+    measures: Mapping[str, str]
+    settle: Record = field(default_factory=dict)
+    outputs: Mapping[str, FilePath] = field(default_factory=dict)  # csv
 
 
 @dataclass(frozen=True)

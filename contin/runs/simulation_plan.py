@@ -7,9 +7,9 @@ average; `transformed: true` takes the model after the passes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.errors import ContinError
 from contin.model.source import Path, Problems, Source
@@ -17,45 +17,13 @@ from contin.records import Fields, Json, Record
 from contin.runs.outputs import output_path
 from contin.runs.picture_entry import PictureEntry, file_of, look_of
 from contin.runs.planner import Planner
-from contin.runs.plans import Plan, StartPoint
+from contin.runs.plans import Plan, SimulationPlan, StartPoint, SweepPlan
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
 from contin.simulate.crossings import section_of
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
     from contin.model.model import Model
-
-
-@dataclass(frozen=True)
-class SimulationPlan:
-    """One trajectory."""
-
-    name: str
-    model: Any
-    start: StartPoint
-    parameters: Record
-    time: float
-    transient: float
-    exponents: int | None = None
-    options: Record = field(default_factory=dict)
-    outputs: Mapping[str, FilePath] = field(default_factory=dict)  # plot, csv
-    look: Record = field(default_factory=dict)  # of the picture, as `contin.plot.look.Look.of` takes it
-
-
-@dataclass(frozen=True)
-class SweepPlan:
-    """A parameter stepped up and down."""
-
-    model: Any
-    parameter: str
-    range: tuple[float, float]
-    start: StartPoint
-    parameters: Record
-    steps: int
-    down: bool
-    measures: Mapping[str, str]
-    settle: Record = field(default_factory=dict)
-    outputs: Mapping[str, FilePath] = field(default_factory=dict)  # csv
 
 
 def with_simulations(plan: Plan, written: Json, entry: RunEntry, source: Source, file: FilePath) -> Plan:

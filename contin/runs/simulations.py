@@ -14,8 +14,7 @@ from contin.simulate.steady import Criterion
 from contin.simulate.sweep import sweep
 
 if TYPE_CHECKING:
-    from contin.runs.plans import Plan
-    from contin.runs.simulation_plan import SimulationPlan, SweepPlan
+    from contin.runs.plans import Plan, SimulationPlan, SweepPlan
 
 
 def carry_out(

@@ -11,8 +11,8 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from contin.api.reading import read
+from contin.continuation.as_computed import as_computed
 from contin.continuation.branch import Branch, SpecialPoint
-from contin.continuation.stored_problem import as_computed
 from contin.errors import ContinError, InputError
 from contin.model.advice import closest
 from contin.model.model import Model

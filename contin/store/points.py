@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
+from contin.continuation.as_computed import as_computed
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.defects import described
-from contin.continuation.stored_problem import as_computed
 from contin.errors import ContinError, InputError
 from contin.store.encoded import Table, decode, encode
 from contin.store.sound import check

@@ -19,7 +19,8 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Failure, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.homoclinic.equations import ConnectionCurve, Gauge
+from contin.homoclinic.connection_layout import Gauge
+from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.saddle_connections import ConnectionProblem
 from contin.problems.orbits.ends.saddle_node import critical_direction
 from contin.problems.two_parameters import indices

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from contin.continuation.as_computed import as_computed
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.stored_problem import StoredProblem, as_computed
+from contin.continuation.stored_problem import StoredProblem
 from contin.errors import InputError
 from contin.transitions.registry import Explored, at_point, known_labels
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -74,7 +74,7 @@ def _sliding(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> S
 def _beside(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> Seed:
     assert problem.sliding is not None
     jump, n, z = problem.sliding.jump, problem.n, point.z
-    regular = replace(problem.sliding.regular, base=problem.base, active=problem.active)
+    regular = replace(cast("EquilibriumProblem", problem.sliding.regular), base=problem.base, active=problem.active)
     along = _tangent(replace(regular, system=jump.side(upper)), z, point.scale)
     slope = jump.height(z[:n], problem.full_parameters(z))[1][[*range(n), n + problem.active]]
     rises = float(slope @ (along * point.scale)) > 0.0

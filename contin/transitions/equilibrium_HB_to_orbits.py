@@ -22,7 +22,7 @@ from contin.problems.orbits.corotating import system_of_orbits
 from contin.problems.orbits.mesh.layout import HOPF_INTERVALS, Profile, make_scale, node_times
 from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.large_equilibrium import LargeProblem
-from contin.systems.functions.in_kernels import in_kernels
+from contin.systems.functions.function_problem import in_kernels
 from contin.transitions.equivariant_hopf import patterns, through_an_orbit
 from contin.transitions.on_surfaces import refuse_sliding
 from contin.transitions.registry import Explored, born

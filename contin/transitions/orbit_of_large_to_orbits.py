@@ -10,7 +10,8 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.linalg.vectors import norm
 from contin.problems.large_orbits.branch_points import null_vector
-from contin.problems.large_orbits.large_orbit import LargeOrbitProblem, Memory
+from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
+from contin.problems.large_orbits.large_orbit_equations import Memory
 from contin.transitions.registry import Explored, born
 
 

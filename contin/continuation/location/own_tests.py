@@ -9,7 +9,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.found import Found
-from contin.continuation.location.targets import zero_between
+from contin.continuation.location.user_value import zero_between
 from contin.continuation.problem import Problem, Sample, Verified
 from contin.special.special_type import SpecialType
 from contin.special.table import with_own_test

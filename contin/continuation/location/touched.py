@@ -16,7 +16,7 @@ from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
 
 if TYPE_CHECKING:
-    from contin.continuation.location.targets import Target
+    from contin.continuation.location.user_value import Target
 
 TOUCHING: Final = 8 * float(np.finfo(float).eps)  # of the column's size: an extremum this near to a value touches it
 

@@ -14,8 +14,9 @@ from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
 from contin.diagram.phase.checks import Check
-from contin.diagram.phase.diagram import PhaseDiagram, Region
+from contin.diagram.phase.diagram import PhaseDiagram
 from contin.diagram.phase.lines import Box
+from contin.diagram.phase.phase_data import Region
 from contin.diagram.phase.regions import regions_of
 from contin.diagram.phase.search import LociSearch
 from contin.diagram.phase.survey import Survey

@@ -9,8 +9,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.diagram.phase.checks import Check, Plane, alike, checked, equilibria_of, stable_equilibria
-from contin.diagram.phase.diagram import Region
 from contin.diagram.phase.orbit_checks import orbits_checked
+from contin.diagram.phase.phase_data import Region
 from contin.diagram.phase.survey import Survey
 
 NOTHING_STABLE: Final = "no stable state was found in the regions"

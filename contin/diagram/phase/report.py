@@ -11,10 +11,10 @@ from contin.records import Fields, Record
 ROUNDING: Final = 1e-14  # of the values that a number stands beside
 
 if TYPE_CHECKING:
-    from contin.diagram.phase.diagram import PhaseDiagram
+    from contin.diagram.phase.phase_data import PhaseData
 
 
-def report(diagram: PhaseDiagram) -> str:
+def report(diagram: PhaseData) -> str:
     """Curves with their points of codimension two, then regions with their states and neighbours."""
     first, second = diagram.parameters
     (a, b), (c, d) = diagram.box
@@ -75,8 +75,8 @@ def _shown(value: float, size: float) -> float:
     return 0.0 if abs(value) < ROUNDING * size else value
 
 
-def as_data(diagram: PhaseDiagram) -> Fields:
-    """See `PhaseDiagram.as_data`."""
+def as_data(diagram: PhaseData) -> Fields:
+    """See `PhaseData.as_data`."""
 
     def ring(points: Vector) -> list[list[float]]:
         return [[float(x), float(y)] for x, y in points]

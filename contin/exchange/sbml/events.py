@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import Final, Protocol
 
 import libsbml
 
@@ -18,24 +18,32 @@ from contin.errors import InputError
 from contin.exchange.imported import UnsupportedError
 from contin.exchange.sbml import mathml
 from contin.exchange.sbml.elements import Element
+from contin.exchange.sbml.initial import Initial
 from contin.exchange.sbml.roles import RATE
+from contin.exchange.sbml.symbols import Symbols
 from contin.model.expression import symbols_in
 from contin.model.parser import parse
 from contin.records import Fields
-
-if TYPE_CHECKING:
-    from contin.exchange.sbml.assembly import Assembly
 
 _UP: Final = frozenset({libsbml.AST_RELATIONAL_GT, libsbml.AST_RELATIONAL_GEQ})
 _DOWN: Final = frozenset({libsbml.AST_RELATIONAL_LT, libsbml.AST_RELATIONAL_LEQ})
 _STRICT: Final = frozenset({libsbml.AST_RELATIONAL_GT, libsbml.AST_RELATIONAL_LT})
 
 
-def assigned(model: Element) -> frozenset[str]:
-    """Identifiers that events assign."""
-    return frozenset(
-        a.getVariable() for event in model.getListOfEvents() for a in event.getListOfEventAssignments() if a.isSetMath()
-    )
+class Assembled(Protocol):
+    """What events need of the model that is put together."""
+
+    model: Element
+    where: str
+    names: dict[str, str]
+    functions: dict[str, Element]
+    parameters: Fields
+    amounts: dict[str, str]
+    symbols: Symbols
+    initial: Initial
+
+    def number_of(self, formula: str) -> float:
+        """The value of a formula in fixed symbols."""
 
 
 def check_events(model: Element, path: object) -> None:
@@ -60,7 +68,7 @@ def _named(event: Element) -> str:
     return f" {name!r}" if name else ""
 
 
-def events_of(assembly: Assembly) -> list[Fields]:
+def events_of(assembly: Assembled) -> list[Fields]:
     """The entries of `events:`."""
     found = []
     for event in assembly.model.getListOfEvents():
@@ -78,7 +86,7 @@ def events_of(assembly: Assembly) -> list[Fields]:
     return found
 
 
-def _assignments(assembly: Assembly, event: Element, scope: mathml.Scope) -> Iterator[tuple[str, str]]:
+def _assignments(assembly: Assembled, event: Element, scope: mathml.Scope) -> Iterator[tuple[str, str]]:
     """State -> its formula."""
     given = {
         a.getVariable(): mathml.number(a.getMath(), scope) for a in event.getListOfEventAssignments() if a.isSetMath()
@@ -96,11 +104,11 @@ def _assignments(assembly: Assembly, event: Element, scope: mathml.Scope) -> Ite
             yield symbol.name, f"{before}/({given[size]})"
 
 
-def _compartment(assembly: Assembly, species: str) -> str:
+def _compartment(assembly: Assembled, species: str) -> str:
     return str(assembly.symbols.of[species].element.getCompartment())
 
 
-def _is_rated(assembly: Assembly, identifier: str, given: Mapping[str, str]) -> bool:
+def _is_rated(assembly: Assembled, identifier: str, given: Mapping[str, str]) -> bool:
     """True for a concentration that is a state, with a rule for its rate, in a compartment whose size is assigned."""
     symbol = assembly.symbols.of[identifier]
     if symbol.kind != "species" or symbol.role != RATE or assembly.symbols.is_amount(symbol.element):
@@ -108,7 +116,7 @@ def _is_rated(assembly: Assembly, identifier: str, given: Mapping[str, str]) -> 
     return _compartment(assembly, identifier) in given
 
 
-def _refuse_at_zero(assembly: Assembly, event: Element, where: str) -> None:
+def _refuse_at_zero(assembly: Assembled, event: Element, where: str) -> None:
     """Raises UnsupportedError for an event that happens at time 0, or may do so."""
     math = event.getTrigger().getMath()
     scope = mathml.Scope(assembly.initial, assembly.functions, "0", where)

@@ -12,8 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from contin.exchange.naming import Names
-from contin.exchange.sbml.elements import Element
-from contin.exchange.sbml.events import assigned
+from contin.exchange.sbml.elements import Element, assigned
 from contin.exchange.sbml.roles import EVENTS, FIXED, RATE, REACTIONS, RULE
 
 

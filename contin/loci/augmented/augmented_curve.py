@@ -9,97 +9,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample, Stop
+from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.augmented import events
-from contin.loci.augmented.base import Base
-from contin.loci.augmented.elimination import Augmented, Scalars, first_rows, null_space, orthonormal
-from contin.loci.augmented.scalar_conditions import Held, joined
+from contin.loci.augmented.curve_equations import ROUNDS, TURNS, Bounds, CurveEquations
 
-Bounds = tuple[float, float]
 TOLERANCE = 1e-11
-CHUNK = 20
-ROUNDS = 3  # until the border rows span the null space
-TURNS = 2  # tests of the curve itself, where a parameter turns or a branch crosses: nothing of the points on it
-EVERYWHERE = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
-class AugmentedCurve(Problem):
-    """base : the equations E.  held : the scalars.  type : label of the points on the curve.
-
-    names : of the parameters that the run names, the last unknown first.  free : of those solved for besides.
-    bounds : ranges of the named parameters, in their order.  offset : what the scalars are to be, on the way to 0.
-    """
-
-    base: Base
-    held: tuple[Held, ...]
-    type: str
-    names: tuple[str, ...]
-    free: tuple[str, ...] = ()
-    bounds: tuple[Bounds, ...] = ()
-    offset: tuple[float, ...] = ()
-    words: tuple[str, ...] = ()  # notes that hold all along
-
-    kind = "locus"
-    maximum_chunk = CHUNK
-
-    @property
-    def locus(self) -> str:
-        return self.type
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        return self.names
-
-    @property
-    def free_names(self) -> tuple[str, ...]:
-        return self.free
-
-    @property
-    def has_stability(self) -> bool:
-        return self.base.has_stability
-
-    @property
-    def system(self) -> Any:
-        return self.base.system
-
-    @property
-    def angle_periods(self) -> Array:
-        return self.base.angle_periods
-
-    def constants(self) -> dict[str, float]:
-        return self.base.constants()
-
-    def default_range(self, parameter: str) -> Bounds | None:
-        return self.base.default_range(parameter)
+class AugmentedCurve(CurveEquations):
+    """The equations of `CurveEquations`, followed by the march in Python."""
 
     # -- what makes it planar ------------------------------------------------------------------------------------------
 
     def within(self, *bounds: Bounds) -> AugmentedCurve:
         """The same curve with ranges of the named parameters."""
         return replace(self, bounds=tuple(bounds))
-
-    @property
-    def walls(self) -> Sequence[tuple[int, float, float]]:
-        known = self.bounds or (EVERYWHERE,) * len(self.names)
-        return [(-1 - k, *known[k]) for k in reversed(range(len(self.names)))]
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return self.base.identifying
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return self.base.growing
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         z0 = guess.copy()
@@ -111,24 +44,6 @@ class AugmentedCurve(Problem):
         return self.at_unknown(-1, guess, value, scale)
 
     # -- the engine's contract -----------------------------------------------------------------------------------------
-
-    def initial_scale(self, z: Array, bounds: Bounds) -> Array:
-        known = self.bounds or (bounds,)
-        ranges = [known[k] if k < len(known) else EVERYWHERE for k in range(len(self.names))]
-        return self.base.scales(z, [*ranges, *[EVERYWHERE] * (self.base.varying - len(ranges))])
-
-    def near(self, z: Array, scale: Array, more: tuple[Held, ...] = ()) -> Near | None:
-        """The curve with border rows and scalars that are good near z; None where its equations have no value."""
-        rows = first_rows(self.base.varying - self.base.conditions, z.size)
-        for _ in range(ROUNDS):
-            here = self.base.linearise(z, scale, rows)
-            if here is None or here.sign == 0.0:
-                return None
-            found = null_space(here, len(rows))
-            if not np.all(np.isfinite(found)):
-                return None
-            rows = orthonormal(found.T)
-        return Near(self, self.base, rows, joined((*self.held, *more), self, z, scale))
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         near = self.near(z, scale)
@@ -164,9 +79,6 @@ class AugmentedCurve(Problem):
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return self.base.explain(self.type, a, b)
-
-    def watch(self, type_: str) -> int | None:
-        return self.base.watch(self.type, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)
@@ -207,32 +119,3 @@ def _failed(origin: Sample, step: float) -> Chunk:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Near:
-    """A curve as the march in Python takes it: with border rows and scalars from a point nearby."""
-
-    problem: AugmentedCurve
-    base: Base
-    rows: Array
-    scalars: Scalars
-
-    @property
-    def angle_periods(self) -> Array:
-        return self.problem.angle_periods
-
-    def values(self, z: Array) -> Array:
-        """What is left of the scalars."""
-        found = self.scalars(z)
-        return found - np.array(self.problem.offset) if self.problem.offset else found
-
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Augmented | None:
-        inner = self.base.linearise(z, scale, self.rows)
-        if inner is None:
-            return None
-        values = self.values(z)
-        if not np.all(np.isfinite(values)):
-            return None
-        return Augmented(inner, self.scalars, values, z, scale, tangent)
-
-    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        return self.base.stability(self.problem.type, z)

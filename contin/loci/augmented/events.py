@@ -14,7 +14,7 @@ from contin.linalg.vectors import norm
 from contin.loci.augmented.elimination import Augmented, Scalars
 
 if TYPE_CHECKING:
-    from contin.loci.augmented.augmented_curve import AugmentedCurve, Near
+    from contin.loci.augmented.curve_equations import CurveEquations, Near
 
 BUDGET: Final = 20
 SETTLED: Final = 1e-14
@@ -36,7 +36,7 @@ class Solved:
     error: float
 
 
-def solved(problem: AugmentedCurve, function: Scalars, near: Sample, scale: Array) -> Solved | None:
+def solved(problem: CurveEquations, function: Scalars, near: Sample, scale: Array) -> Solved | None:
     """Newton on the equations of the curve and one more scalar."""
     around = problem.near(near.z, scale)
     if around is None:
@@ -81,7 +81,7 @@ def _with(near: Near, function: Scalars, z: Array, scale: Array) -> Augmented | 
     return Augmented(inner, scalars, values, z, scale, None) if np.all(np.isfinite(values)) else None
 
 
-def verify(problem: AugmentedCurve, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: CurveEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The point of this type near a sample."""
     function = problem.base.degeneracy(problem.type, type_, near)
     if isinstance(function, str):
@@ -97,7 +97,7 @@ def verify(problem: AugmentedCurve, type_: str, near: Sample, frame: Frame) -> O
     return problem.base.described(problem.type, point, frame.scale)
 
 
-def verify_compound(problem: AugmentedCurve, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+def verify_compound(problem: CurveEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
     """Each of the types whose test changes its sign."""
     found = []
     for type_ in problem.base.types(problem.type):

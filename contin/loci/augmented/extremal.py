@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.loci.augmented.elimination import Scalars, first_rows, null_space, orthonormal
 
 if TYPE_CHECKING:
-    from contin.loci.augmented.augmented_curve import AugmentedCurve
+    from contin.loci.augmented.curve_equations import CurveEquations
 
 STEP: Final = 1e-3  # scaled, of the five-point differences of the column
 ROUNDS: Final = 3
@@ -33,7 +33,7 @@ class Extremal:
     def text(self) -> str:
         return f"extrema of {self.column}"
 
-    def near(self, problem: AugmentedCurve, z: Array, scale: Array) -> Scalars:
+    def near(self, problem: CurveEquations, z: Array, scale: Array) -> Scalars:
         base = problem.base
         fixed = np.zeros((1, z.size))
         fixed[0, -1 - base.names.index(self.newest)] = 1.0

@@ -19,13 +19,13 @@ from contin.loci.codim2.uncomputed_tests import untold
 from contin.normalforms.branching import branch_point
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 EVEN = 1e-6  # relative size of <w, B(v, v)> above which a point is no pitchfork, where nothing else decides
 APART = 1e-4  # scaled distance of that end from the cusp that was found for it
 
 
-def coefficient(problem: LocusProblem, z: Array, v: Array, w: Array) -> float:
+def coefficient(problem: CurveOfPoints, z: Array, v: Array, w: Array) -> float:
     """The coefficient for null vectors in scaled states, relative to the size of f_u."""
     curve, n = problem.curve, problem.n
     d, u, p = curve.sizes, z[:n], curve.full_parameters(z)
@@ -50,7 +50,7 @@ def coefficient(problem: LocusProblem, z: Array, v: Array, w: Array) -> float:
     return float(w @ (form(v, v, v) + 3.0 * form(v, h))) / size
 
 
-def kind(problem: LocusProblem, z: Array) -> str:
+def kind(problem: CurveOfPoints, z: Array) -> str:
     """Pitchfork or not, decided where it is first asked: at a DP the coefficients no longer tell.
 
     Empty, and asked again at the next point, at a Bogdanov-Takens point, where the reduced equation has two unknowns.
@@ -64,7 +64,7 @@ def kind(problem: LocusProblem, z: Array) -> str:
     return str(problem.memory["kind"])
 
 
-def test(problem: LocusProblem, z: Array) -> float:
+def test(problem: CurveOfPoints, z: Array) -> float:
     """The coefficient at a point of the curve, with its continuous sign."""
     shift = np.eye(problem.n) if problem.system.kind == "map" else 0.0
     v, w = null_pair(scaled_matrix(problem, z) - shift, np.zeros(problem.n))
@@ -74,7 +74,7 @@ def test(problem: LocusProblem, z: Array) -> float:
     return coefficient(problem, z, v, w)
 
 
-def is_mirror(problem: LocusProblem, z: Array, scale: Array) -> bool:
+def is_mirror(problem: CurveOfPoints, z: Array, scale: Array) -> bool:
     """True at a DP of pitchforks on a curve of folds: from there on the curve is its own mirror image."""
     seen = problem.identifying
     return any(float(np.linalg.norm(((z - m) / scale)[seen])) < APART for m in problem.memory.get("mirrors", ()))

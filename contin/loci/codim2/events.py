@@ -25,7 +25,7 @@ from contin.loci.codim2.triple_zero import triple_zero
 from contin.special.table import signs_of_points, tests_of_points
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 UNLABELLED: Final[Mapping[str, Mapping[str, int]]] = {  # events that are no special points, by their tests
     "LP": {"double zero": 3, "neutral": 4}, "HB": {"neutral": 4}, "BP": {"neutral": 4}, "PD": {"neutral": 4},
@@ -87,7 +87,7 @@ def _orientation_jumps(a: Sample, b: Sample) -> bool:
     return bool(np.all(np.abs(first + second) <= JUMP * np.maximum(np.abs(first), np.abs(second))))
 
 
-def verify(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) -> Outcome:
     """Solve the defining system of a type from a nearby point of the curve."""
     if type_ == "neutral":
         return NOTHING
@@ -99,7 +99,7 @@ def verify(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Out
     return triple_zero(problem, near, frame) or verified
 
 
-def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) -> Outcome:
     function = function_of(problem, type_, near)
     if isinstance(function, Rejected):
         return unverified(type_, function.reason)
@@ -128,7 +128,7 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
 
 
 def _solved(
-    problem: LocusProblem, type_: str, function: Callable[[Array], float], near: Sample, frame: Frame
+    problem: CurveOfPoints, type_: str, function: Callable[[Array], float], near: Sample, frame: Frame
 ) -> Solution | None:
     """Newton on the curve's equations and the function; of BT on curves of Hopf points, with a v that is regular."""
     if type_ != "BT" or problem.locus != "HB":
@@ -146,7 +146,7 @@ def _solved(
     return replace(solved, y=found / frame.scale)
 
 
-def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) -> Outcome:
+def _point(problem: CurveOfPoints, type_: str, solved: Solution, frame: Frame) -> Outcome:
     """The point with its eigenvalues and normal form; NOTHING for a neutral saddle."""
     z = solved.y * frame.scale
     if is_neutral(problem, type_, z) or (type_ == "DP" and _is_double_zero(problem, z)):
@@ -172,14 +172,14 @@ def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) ->
     return replace(described_point, vectors={**described_point.vectors, **known})
 
 
-def _is_double_zero(problem: LocusProblem, z: Array) -> bool:
+def _is_double_zero(problem: CurveOfPoints, z: Array) -> bool:
     """True where the coefficient of a DP vanishes with w . v: at a Bogdanov-Takens point, which has its own test."""
     shift = np.eye(problem.n) if problem.system.kind == "map" else 0.0
     v, w = null_pair(scaled_matrix(problem, z) - shift, np.zeros(problem.n))
     return problem.n > 1 and abs(float(w @ v)) < DOUBLE
 
 
-def with_degeneracy(problem: LocusProblem, chunk: Chunk) -> Chunk:
+def with_degeneracy(problem: CurveOfPoints, chunk: Chunk) -> Chunk:
     """A chunk along a curve of branch points with the test of DP filled in, cut after its first sign change."""
     previous = 0.0
     for row in range(len(chunk)):
@@ -191,7 +191,7 @@ def with_degeneracy(problem: LocusProblem, chunk: Chunk) -> Chunk:
     return chunk
 
 
-def is_neutral(problem: LocusProblem, type_: str, z: Array) -> bool:
+def is_neutral(problem: CurveOfPoints, type_: str, z: Array) -> bool:
     """True where the curve's own critical eigenvalues are real, so that there is no Hopf (Neimark-Sacker) point."""
     if type_ in ("BT", "R1", "R2") or problem.locus not in ("HB", "NS"):
         return False
@@ -199,7 +199,7 @@ def is_neutral(problem: LocusProblem, type_: str, z: Array) -> bool:
     return bool(scalar <= 0.0 if problem.locus == "HB" else abs(scalar) >= 1.0)
 
 
-def verify_compound(problem: LocusProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
+def verify_compound(problem: CurveOfPoints, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Events that coincide on the curve: each of the types whose test changes sign, verified from between."""
     is_map = problem.system.kind == "map"
     events = signs_of_points(problem.locus, is_map)

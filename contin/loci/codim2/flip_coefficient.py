@@ -12,11 +12,11 @@ from contin.loci.codim2.uncomputed_tests import untold
 from contin.normalforms.maps import period_doubling
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
     from contin.normalforms.jet import Jet
 
 
-def flip_coefficient(problem: LocusProblem, z: Array) -> float:
+def flip_coefficient(problem: CurveOfPoints, z: Array) -> float:
     """The cubic coefficient of a period doubling, whose zero is a GPD."""
     try:
         return of_jet(jet_at(problem, z))

@@ -17,7 +17,7 @@ from contin.loci.codim2.matrices import eigenvalues, own_critical
 from contin.loci.codim2.solving import ILL_CONDITIONED, RESIDUAL_LIMIT, solve
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
 NEARLY = 0.05  # the same where the cusp was not solved to full accuracy, as near a pitchfork's DP
@@ -26,7 +26,7 @@ ASIDE = 0.02  # scaled distance along the branch points at which their kind is d
 UNFORCED = 1e-8  # an unfolding parameter above this is not zero
 
 
-def at_fold(problem: LocusProblem, z: Array, exact: bool, frame: Frame) -> Verified | None:
+def at_fold(problem: CurveOfPoints, z: Array, exact: bool, frame: Frame) -> Verified | None:
     """The DP that a supposed cusp z on a curve of folds is where neither parameter unfolds it: F_p = 0 along w.
 
     Folds of the branches that cross at branch points end there: the two curves meet, and the defining system of folds
@@ -49,7 +49,7 @@ def at_fold(problem: LocusProblem, z: Array, exact: bool, frame: Frame) -> Verif
     return _verified(problem, branching, found, residual, error * float(scale[-1]))
 
 
-def _slope(problem: LocusProblem, u: Array, p: Array, frame: Frame) -> float:
+def _slope(problem: CurveOfPoints, u: Array, p: Array, frame: Frame) -> float:
     """The larger of the slopes <w, F_p> in both parameters, relative to the size of F_u."""
     curve, n, d = problem.curve, problem.n, problem.curve.sizes
     full = curve.system.jacobian(u, p)[1]
@@ -65,14 +65,14 @@ def _slope(problem: LocusProblem, u: Array, p: Array, frame: Frame) -> float:
 class _BranchPoints:
     """The curve of branch points next to (u, p): its problem and a point of it, from which Newton starts."""
 
-    problem: LocusProblem
+    problem: CurveOfPoints
     start: Array
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         return np.asarray(self.problem.initial_scale(z, bounds))
 
 
-def _branch_points(problem: LocusProblem, u: Array, p: Array) -> _BranchPoints:
+def _branch_points(problem: CurveOfPoints, u: Array, p: Array) -> _BranchPoints:
     other = problem.of_type("BP", p)
     start = other.curve.place(u, p, 0.0)
     other.curve.settle(start)
@@ -95,7 +95,9 @@ def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float
     return solved.y * scale, solved.residual, solved.error
 
 
-def _verified(problem: LocusProblem, branching: _BranchPoints, found: Array, residual: float, error: float) -> Verified:
+def _verified(
+    problem: CurveOfPoints, branching: _BranchPoints, found: Array, residual: float, error: float
+) -> Verified:
     z = problem.curve.place(found[: problem.n], problem.curve.full_parameters(found))
     if degenerate.kind(branching.problem, found) == "pitchfork":
         problem.memory.setdefault("mirrors", []).append(z)

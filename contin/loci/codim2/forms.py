@@ -23,14 +23,14 @@ from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
     from contin.normalforms.jet import DerivativeJet, Jet
 
 BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
 
 
 
-def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> DerivativeJet:
+def jet_at(problem: CurveOfPoints, z: Array, active: tuple[int, ...] = ()) -> DerivativeJet:
     """Derivatives of the model at z, in the states and the parameters `active`."""
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"
@@ -39,7 +39,7 @@ def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Der
 
 
 def described(
-    problem: LocusProblem, point: Verified, critical: Any, scale: Array, plane: bool = False,
+    problem: CurveOfPoints, point: Verified, critical: Any, scale: Array, plane: bool = False,
     drift: Array | None = None,
 ) -> Verified:  # fmt: skip
     """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
@@ -109,7 +109,7 @@ def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array,
     return found
 
 
-def branching_form(problem: LocusProblem, z: Array) -> Any:
+def branching_form(problem: CurveOfPoints, z: Array) -> Any:
     """Lyapunov-Schmidt coefficients on a curve of branch points, in the parameter that unfolds the branches better."""
     forms = [branch_point(jet_at(problem, z, (active,))) for active in (problem.curve.first, problem.curve.second)]
     return max(forms, key=lambda form: abs(form.coefficients["b11"]))

@@ -35,14 +35,14 @@ from contin.special.table import special_type
 
 if TYPE_CHECKING:
     from contin.abi import Vector
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
     from contin.normalforms.jet import Jet
 
 Function = Callable[[Array], float]
 REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
-def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | Rejected:
+def function_of(problem: CurveOfPoints, type_: str, near: Sample) -> Function | Rejected:
     """The function whose zero on the curve is a point of this type; a string says why there is none."""
     locus = problem.locus
     if type_ == "BT" and locus == "HB":
@@ -72,7 +72,7 @@ class BorderFunction:
     curve's. A = f_u in units of the states' sizes.
     """
 
-    problem: LocusProblem
+    problem: CurveOfPoints
     frame: Array
     values: Callable[[Array, Array, Array, Array], Array]
 
@@ -94,7 +94,7 @@ class BorderFunction:
 
 
 def _border_function(
-    problem: LocusProblem, z0: Array, values: Callable[[Array, Array, Array, Array], Array]
+    problem: CurveOfPoints, z0: Array, values: Callable[[Array, Array, Array, Array], Array]
 ) -> Function:
     n = problem.n
     frame = np.zeros((n + 1, n + 1))
@@ -109,7 +109,7 @@ def at_rows(function: Function, z: Array) -> Array:
     return function.at(z) if isinstance(function, BorderFunction) else np.array([function(row) for row in z])
 
 
-def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array, sizes: Array) -> Array:
+def _quadratic(problem: CurveOfPoints, z: Array, v: Array, psi: Array, sizes: Array) -> Array:
     """<psi, B(v, v)> in scaled states, relative to the size of f_u; of rows."""
     curve, n = problem.curve, problem.n
     p = parameters_at(problem, z)
@@ -120,17 +120,17 @@ def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array, sizes: Arr
     return products if n == 1 else products / np.maximum(sizes, 1e-300)  # n = 1: f_u is rounding, no measure of rates
 
 
-def _degeneracy(problem: LocusProblem, z: Array, v: Array, psi: Array, _: Array) -> Array:
+def _degeneracy(problem: CurveOfPoints, z: Array, v: Array, psi: Array, _: Array) -> Array:
     return np.array([degenerate.coefficient(problem, *parts) for parts in zip(z, v, psi, strict=True)])
 
 
-def _flip_function(problem: LocusProblem, z: Array) -> float:
+def _flip_function(problem: CurveOfPoints, z: Array) -> float:
     """c / (1 + |c|) with c the cubic coefficient of a period doubling: bounded, where c itself has poles."""
     c = flip_coefficient(problem, z)
     return c / (1.0 + abs(c))
 
 
-def lyapunov(problem: LocusProblem, z: Array, beyond_error: bool = False) -> float:
+def lyapunov(problem: CurveOfPoints, z: Array, beyond_error: bool = False) -> float:
     """Re G21 of the first Lyapunov coefficient (`kernels.lyapunov`); l1 itself for user functions, Re d of maps.
 
     beyond_error : of maps, 0 where it is zero to its error, as all along in area-preserving ones: a sign of rounding is
@@ -156,7 +156,7 @@ def lyapunov(problem: LocusProblem, z: Array, beyond_error: bool = False) -> flo
     return float(terms[0])
 
 
-def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: bool) -> float:
+def _map_lyapunov(problem: CurveOfPoints, z: Array, cosine: float, beyond_error: bool) -> float:
     """Re d of a Neimark-Sacker point."""
     if abs(cosine) >= 1.0:
         return 0.0
@@ -168,7 +168,7 @@ def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: 
     return value if not beyond_error or abs(value) > float(form.errors["d"]) else 0.0
 
 
-def rounding_of(problem: LocusProblem, type_: str, z: Array) -> float:
+def rounding_of(problem: CurveOfPoints, type_: str, z: Array) -> float:
     """By how much the function of GPD or CH may be off for rounding errors of F_u, alike at points next to each other.
 
     0 for other types: theirs differ from point to point.
@@ -193,7 +193,7 @@ def rounding_of(problem: LocusProblem, type_: str, z: Array) -> float:
         return 0.0
 
 
-def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | Rejected:
+def _eigenvalue_function(problem: CurveOfPoints, type_: str, near: Sample) -> Function | Rejected:
     """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
     values = np.asarray(near.eigenvalues)
     own = own_critical(problem, near.z, values)
@@ -216,7 +216,7 @@ def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Fun
     return lambda z: _followed(problem, z, reference).real / size
 
 
-def _real_target(problem: LocusProblem, type_: str) -> float | None:
+def _real_target(problem: CurveOfPoints, type_: str) -> float | None:
     """Where a further real eigenvalue crosses at a point of this type; None where a pair does."""
     if type_ == "ZH" and problem.locus == "HB":
         return 0.0
@@ -227,12 +227,12 @@ def _real_target(problem: LocusProblem, type_: str) -> float | None:
     return None
 
 
-def _followed(problem: LocusProblem, z: Array, reference: complex) -> complex:
+def _followed(problem: CurveOfPoints, z: Array, reference: complex) -> complex:
     values = np.linalg.eigvals(scaled_matrix(problem, z))
     return complex(values[int(np.argmin(np.abs(values - reference)))])
 
 
-def critical_indices(problem: LocusProblem, type_: str, z: Array, values: Vector) -> list[int] | None:
+def critical_indices(problem: CurveOfPoints, type_: str, z: Array, values: Vector) -> list[int] | None:
     """Indices of all eigenvalues that are critical at a point of this type; None where a needed pair is real."""
     own = own_critical(problem, z, values)
     rest = [i for i in range(len(values)) if i not in own]

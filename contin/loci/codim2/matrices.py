@@ -12,23 +12,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from contin.abi import Vector
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 
-def scaled_matrix(problem: LocusProblem, z: Array) -> Array:
+def scaled_matrix(problem: CurveOfPoints, z: Array) -> Array:
     """f_u in units of the states' sizes."""
     d = problem.curve.sizes
     return np.asarray(problem.curve.matrix(z) * d / d[:, None])
 
 
-def scaled_matrices(problem: LocusProblem, z: Array) -> Array:
+def scaled_matrices(problem: CurveOfPoints, z: Array) -> Array:
     """`scaled_matrix` at rows z, (rows, n, n)."""
     curve, n = problem.curve, problem.n
     jacobians = curve.system.jacobians(z[:, :n], parameters_at(problem, z))[1]
     return np.asarray(jacobians[:, :, :n] * curve.sizes / curve.sizes[:, None])
 
 
-def parameters_at(problem: LocusProblem, z: Array) -> Array:
+def parameters_at(problem: CurveOfPoints, z: Array) -> Array:
     """All parameters at rows z."""
     places = problem.curve.places
     parameters = np.empty((len(z), len(problem.base)))
@@ -47,21 +47,21 @@ def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
     return v, psi if np.linalg.slogdet(bordered)[0] < 0.0 else -psi
 
 
-def eigenvalues(problem: LocusProblem, z: Array) -> NDArray[np.complex128]:
+def eigenvalues(problem: CurveOfPoints, z: Array) -> NDArray[np.complex128]:
     """Eigenvalues of f_u at z by falling real part."""
     d = problem.curve.sizes
     values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
     return values[np.lexsort((-values.imag, -values.real))]
 
 
-def critical_value(problem: LocusProblem) -> float:
+def critical_value(problem: CurveOfPoints) -> float:
     """The critical eigenvalue of the curve: 0, or of maps 1 (LP, BP) and -1 (PD)."""
     if problem.locus == "PD":
         return -1.0
     return 1.0 if problem.system.kind == "map" else 0.0
 
 
-def own_critical(problem: LocusProblem, z: Array, values: Vector) -> list[int]:
+def own_critical(problem: CurveOfPoints, z: Array, values: Vector) -> list[int]:
     """Indices of the eigenvalues that are critical along the curve."""
     if problem.locus in ("LP", "BP", "PD"):
         return [int(np.argmin(np.abs(values - critical_value(problem))))]

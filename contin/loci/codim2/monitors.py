@@ -22,12 +22,12 @@ from contin.loci.codim2.matrices import null_pair, own_critical, scaled_matrix
 from contin.machine import elementary
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
 
 
-def tests_at(problem: LocusProblem, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+def tests_at(problem: CurveOfPoints, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests from index 2 on, the number of eigenvalues on the unstable side without the critical ones.
 
     All eigenvalues.
@@ -53,7 +53,7 @@ def tests_at(problem: LocusProblem, z: Array) -> tuple[Array, int, NDArray[np.co
     return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
 
 
-def quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
+def quadratic(problem: CurveOfPoints, z: Array, v: Array, psi: Array) -> float:
     """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
     curve = problem.curve
     wide = np.zeros(problem.n + len(problem.base))
@@ -80,7 +80,7 @@ def pair_test(values: Vector, is_map: bool) -> float:
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
 
 
-def _map_tests(problem: LocusProblem, z: Array, matrix: Array, others: Any) -> Array:
+def _map_tests(problem: CurveOfPoints, z: Array, matrix: Array, others: Any) -> Array:
     pairs = pair_test(others, True) if len(others) > 1 else 1.0
     if problem.locus == "NS":
         cosine = problem.curve.scalar(z)

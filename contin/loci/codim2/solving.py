@@ -14,7 +14,7 @@ from contin.loci.codim2.functions import at_rows
 from contin.problems.equilibria import defining
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
@@ -46,7 +46,7 @@ class Solution:
 
 
 def solve(
-    problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array, with_poles: bool = False,
+    problem: CurveOfPoints, function: Callable[[Array], float], near: Sample, scale: Array, with_poles: bool = False,
     turning: bool = False, rounding: Callable[[Array], float] | None = None,
 ) -> Solution | None:  # fmt: skip
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
@@ -117,7 +117,7 @@ def _differences(function: Callable[[Array], float], z: Array, steps: Array) -> 
 
 
 def _right_along(
-    problem: LocusProblem, function: Callable[[Array], float], z: Array, scale: Array, parameters: Array,
+    problem: CurveOfPoints, function: Callable[[Array], float], z: Array, scale: Array, parameters: Array,
     gradient: Array, off: float,
 ) -> Array:  # fmt: skip
     """The gradient with the slope along the curve that differences in this direction give.

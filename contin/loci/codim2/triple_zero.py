@@ -19,13 +19,13 @@ from contin.loci.codim2.matrices import eigenvalues, scaled_matrix
 from contin.loci.codim2.solving import RESIDUAL_LIMIT, solve
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 VANISHING = 1e-4  # relative size of eigenvalues that vanish together: the root (or cube root) of rounding
 APART = 1e-3  # scaled distance from where it was suspected
 
 
-def triple_zero(problem: LocusProblem, near: Sample, frame: Frame) -> Verified | None:
+def triple_zero(problem: CurveOfPoints, near: Sample, frame: Frame) -> Verified | None:
     """The point near a sample of a curve of folds or branch points of a flow; None where there is none."""
     if problem.locus not in ("LP", "BP") or problem.system.kind == "map" or problem.n < 3:
         return None
@@ -46,13 +46,13 @@ def triple_zero(problem: LocusProblem, near: Sample, frame: Frame) -> Verified |
     return min(found, key=lambda point: point.error) if found else None
 
 
-def _products(problem: LocusProblem, z: Array) -> float:
+def _products(problem: CurveOfPoints, z: Array) -> float:
     """Sum of the products of two of the three smallest eigenvalues."""
     a, b, c = _smallest(problem, z)
     return float((a * b + b * c + c * a).real)
 
 
-def _smallest(problem: LocusProblem, z: Array) -> Vector:
+def _smallest(problem: CurveOfPoints, z: Array) -> Vector:
     """The three smallest eigenvalues, relative to the rates.
 
     For n = 3, where all eigenvalues vanish, these are the size of f_u, which does not.
@@ -65,5 +65,5 @@ def _smallest(problem: LocusProblem, z: Array) -> Vector:
     return values[np.argsort(np.abs(values))[:3]] / max(size, 1e-300)
 
 
-def _vanish(problem: LocusProblem, z: Array, limit: float) -> bool:
+def _vanish(problem: CurveOfPoints, z: Array, limit: float) -> bool:
     return bool(np.abs(_smallest(problem, z)).max() <= limit)

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 
-def untold(problem: LocusProblem, label: str, reason: Exception) -> float:
+def untold(problem: CurveOfPoints, label: str, reason: Exception) -> float:
     """The test's value, 0 (which has no sign), remembered as one that is not known."""
     problem.memory.setdefault("untold", {}).setdefault(label, []).append(str(reason))
     return 0.0
 
 
-def remarks(problem: LocusProblem) -> Sequence[str]:
+def remarks(problem: CurveOfPoints) -> Sequence[str]:
     """Which tests failed, how often and why."""
     return [
         f"the test of {label} could not be computed at {len(reasons)} places ({reasons[0]}); {label} there are not told"

@@ -20,7 +20,7 @@ from contin.machine import elementary
 from contin.problems.equilibria import defining
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 FORCED: Final = 1e-2  # slope |psi . F_p| near a point, relative to F_u and F_p, up to which it is looked for here
 STEP: Final = 1e-6  # scaled, of the derivatives of the conditions beside the curve's equations
@@ -40,12 +40,12 @@ class Crossing:
     error: float
 
 
-def is_forced(problem: LocusProblem, z: Array, scale: Array, limit: float = FORCED) -> bool:
+def is_forced(problem: CurveOfPoints, z: Array, scale: Array, limit: float = FORCED) -> bool:
     """True where neither parameter unfolds the vanishing eigenvalue at z (by more than `limit`)."""
     return float(np.max(np.abs(_slopes(problem, z, scale, _left(problem, z))))) < limit
 
 
-def solve(problem: LocusProblem, eigenvalue: Callable[[Array], float], near: Sample, frame: Frame) -> Crossing | None:
+def solve(problem: CurveOfPoints, eigenvalue: Callable[[Array], float], near: Sample, frame: Frame) -> Crossing | None:
     """The point next to `near`, with eigenvalue(z) = 0; None where the equations have no regular solution there."""
     curve, scale = problem.curve, frame.scale
     parameters = curve.parameters(near.z)
@@ -87,7 +87,7 @@ def solve(problem: LocusProblem, eigenvalue: Callable[[Array], float], near: Sam
     return Crossing(y, float(np.max(np.abs(g))), scatter)
 
 
-def other_tangents(problem: LocusProblem, z: Array, scale: Array, own: Array | None = None) -> list[Array]:
+def other_tangents(problem: CurveOfPoints, z: Array, scale: Array, own: Array | None = None) -> list[Array]:
     """Unit tangents (scaled) of the curves through a crossing, without that of `own`.
 
     On the kernel of the curve's Jacobian, tangents are the zeros of the quadratic form psi . D^2G.
@@ -124,12 +124,12 @@ def _zeros(form: Array) -> list[Array]:
     return [vectors[:, 0] * np.sqrt(high) + sign * vectors[:, 1] * np.sqrt(-low) for sign in (1.0, -1.0)]
 
 
-def _matrix(problem: LocusProblem, z: Array) -> Array:
+def _matrix(problem: CurveOfPoints, z: Array) -> Array:
     d = problem.curve.sizes
     return np.asarray(problem.curve.matrix(z) * d / d[:, None])
 
 
-def _left(problem: LocusProblem, z: Array) -> Array:
+def _left(problem: CurveOfPoints, z: Array) -> Array:
     """The left null vector of f_u (scaled), roughly: of the smallest real eigenvalue."""
     values, vectors = np.linalg.eig(_matrix(problem, z).T)
     size = float(np.abs(values).max())
@@ -140,7 +140,7 @@ def _left(problem: LocusProblem, z: Array) -> Array:
     return np.asarray(psi / np.linalg.norm(psi))
 
 
-def _slopes(problem: LocusProblem, z: Array, scale: Array, near: Array) -> Array:
+def _slopes(problem: CurveOfPoints, z: Array, scale: Array, near: Array) -> Array:
     """psi . F_p of both parameters, relative to the sizes of F_u and F_p; psi is followed from `near`."""
     curve, n, d = problem.curve, problem.n, problem.curve.sizes
     full = curve.system.jacobian(z[:n], curve.full_parameters(z))[1]

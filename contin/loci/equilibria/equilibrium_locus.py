@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,18 +16,16 @@ from contin.errors import NotFiniteError
 from contin.kernels import locus as kernel
 from contin.linalg import newton
 from contin.loci.codim2 import degenerate, events, uncomputed_tests
+from contin.loci.curve_of_points import LONGEST, CurveOfPoints
 from contin.loci.equilibria import timeless
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.march import march, probe
 from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
-from contin.problems.two_parameters import TwoParameterProblem
-from contin.records import Fields
 from contin.simulate.reach import has_reach, left_reach
 
 CHUNK = 250  # rows after which the border is looked at again
 REACH = 12.5  # ... or, where steps are short, this arclength (so many of the longest steps by default)
-LONGEST = 1000  # rows in one kernel call, of systems with
 FEW = 10  # states at most: some 50 ms
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
 _NONE = np.empty(0)
@@ -36,35 +33,8 @@ _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 
 
 @dataclass(frozen=True, eq=False)
-class LocusProblem(TwoParameterProblem):
-    """A curve of points of one type in two parameters; `curve` holds its equations and knows the layout of z.
-
-    `second_bounds` is the range of the second parameter, the last unknown but one; that of the first is the engine's.
-    """
-
-    curve: Any  # ExtendedCurve, or BorderedCurve for large systems
-    state_periods: Array
-    memory: Fields = field(default_factory=dict)  # what the first point decided: the kind of branch points
-
-    maximum_chunk = LONGEST
-
-    @cached_property
-    def n(self) -> int:
-        return int(self.curve.n)
-
-    @cached_property
-    def angle_periods(self) -> Array:
-        periods = np.zeros(self.curve.size - 1)
-        periods[: self.n] = self.state_periods
-        return periods
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.asarray(self.curve.identifying)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.asarray(self.curve.growing)
+class LocusProblem(CurveOfPoints):
+    """The equations of `CurveOfPoints`, followed by a compiled march."""
 
     def of_type(self, type_: str, p: Array) -> LocusProblem:
         """The curve of another type in the same two parameters, the others being those of p."""

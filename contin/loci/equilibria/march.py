@@ -16,14 +16,14 @@ from contin.loci.codim2.monitors import tests_at
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation
 
 if TYPE_CHECKING:
-    from contin.loci.equilibria.equilibrium_locus import LocusProblem
+    from contin.loci.curve_of_points import CurveOfPoints
 
 
 @dataclass(frozen=True, eq=False)
 class LocusMarch:
-    """A `LocusProblem` as the Python march takes it."""
+    """A `CurveOfPoints` as the Python march takes it."""
 
-    problem: LocusProblem
+    problem: CurveOfPoints
 
     @property
     def angle_periods(self) -> Array:
@@ -38,7 +38,7 @@ class LocusMarch:
 
 
 def march(
-    problem: LocusProblem, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    problem: CurveOfPoints, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
     settings: Settings, loop: Sample | None,
 ) -> Chunk:  # fmt: skip
     """`Problem.march`; the borders were renewed at origin."""
@@ -48,7 +48,7 @@ def march(
 
 
 def probe(
-    problem: LocusProblem, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
+    problem: CurveOfPoints, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
 ) -> Sample | None:
     """`Problem.probe`."""
     return python_march.probe(LocusMarch(problem), base, length, guess, frame, settings)

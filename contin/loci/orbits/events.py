@@ -18,7 +18,7 @@ from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import tests_of_orbits
 
 if TYPE_CHECKING:
-    from contin.loci.orbits.special_orbits import OfSpecialOrbits
+    from contin.loci.orbits.curve_of_orbits import CurveOfSpecialOrbits
 
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
@@ -50,7 +50,7 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
     return complex(further + root), complex(further - root)
 
 
-def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test function along the curve, by secants in a bracket; none where a neutral pair crosses."""
     index = watch(problem.locus, type_)
     if index is None:
@@ -81,7 +81,7 @@ def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> 
     return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 
-def _discretisation(problem: OfSpecialOrbits, found: Sample, frame: Frame, index: int) -> float | None:
+def _discretisation(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> float | None:
     """How far the point moves, in either parameter, on a mesh of half the lengths; None where it is not found there."""
     refined = problem.refined(found, frame)
     if refined is None:
@@ -90,7 +90,7 @@ def _discretisation(problem: OfSpecialOrbits, found: Sample, frame: Frame, index
     return None if again is None else float(np.abs(again.sample.z[[-1, -2]] - found.z[[-1, -2]]).max())
 
 
-def _complex_pair(problem: OfSpecialOrbits, sample: Sample) -> bool:
+def _complex_pair(problem: CurveOfSpecialOrbits, sample: Sample) -> bool:
     """True where the pair on the unit circle is complex: two real multipliers with product 1 are no torus."""
     values = problem.others(sample.eigenvalues, sample.z)
     if len(values) < 2:

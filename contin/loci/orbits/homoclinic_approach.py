@@ -24,14 +24,14 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.loci.orbits.special_orbits import OfSpecialOrbits
     from contin.problems.orbits.family import FamilyOfOrbits
+    from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 NEAR: Final = 0.05  # of its extent: an orbit this close to its saddle moves as the linearised equations say
 CLOSE: Final = 1e-4  # ... where the corrector fails: special orbits are regular to a part of what remains
 
 
-def approached(problem: OfSpecialOrbits, z: Array, before: Array, scale: Array, failed: bool = False) -> End | None:
+def approached(problem: OfPeriodicOrbits, z: Array, before: Array, scale: Array, failed: bool = False) -> End | None:
     """The end of a curve (z, its row before) that cannot be told from one of connecting orbits; None elsewhere.
 
     failed : the corrector can go no further, which is explained already by less than the mesh's error.
@@ -80,7 +80,7 @@ def _beside(orbits: FamilyOfOrbits, profile: Profile, saddles: list[Saddle], siz
 
 
 def _end(
-    problem: OfSpecialOrbits, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array,
+    problem: OfPeriodicOrbits, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array,
     sizes: Array
 ) -> End:  # fmt: skip
     first, second = problem.parameters

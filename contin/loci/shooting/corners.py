@@ -25,7 +25,7 @@ from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import sliding
 
 if TYPE_CHECKING:
-    from contin.loci.shooting.shot_curves import OfShotOrbits
+    from contin.loci.shooting.shot_curve_equations import ShotCurveEquations
 
 
 NEAR: Final = 1e-3  # clearance, relative to the surface function's largest value, from which a touching orbit is near
@@ -39,7 +39,7 @@ SHORT: Final = 1e-4  # steps (arclength) after which the residual is looked at
 WRONG: Final = 1e-7  # ... and what it is at no solution
 
 
-def nearly_touched(problem: OfShotOrbits, z: Array) -> Touch | None:
+def nearly_touched(problem: ShotCurveEquations, z: Array) -> Touch | None:
     """Where an orbit of the curve nearly touches a surface; None where it does nowhere."""
     curve = problem.curve
     if not curve.system.n_switches or curve.touched is not None:
@@ -48,7 +48,7 @@ def nearly_touched(problem: OfShotOrbits, z: Array) -> Touch | None:
     return min(found, key=lambda touch: abs(touch.value), default=None)
 
 
-def cross_corner(problem: OfShotOrbits, last: Sample, frame: Frame) -> tuple[Sample, Verified | None] | None:
+def cross_corner(problem: ShotCurveEquations, last: Sample, frame: Frame) -> tuple[Sample, Verified | None] | None:
     """The first point on the other side, its tangent pointing away from the corner; None where there is none."""
     touch = nearly_touched(problem, last.z)
     if touch is None:
@@ -116,7 +116,7 @@ def _gradient(curve: Any, z: Array, scale: Array, touch: Touch) -> tuple[Array, 
     return (row / unit, unit) if np.isfinite(unit) and unit > 0.0 else None
 
 
-def cut_where_wrong(problem: OfShotOrbits, chunk: Chunk, scale: Array) -> Chunk:
+def cut_where_wrong(problem: ShotCurveEquations, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to the first row that Newton's method only seemed to converge to, where steps are short.
 
     The corrections stop shrinking near a touching orbit as they do at rounding; the residual tells the two.
@@ -131,7 +131,7 @@ def cut_where_wrong(problem: OfShotOrbits, chunk: Chunk, scale: Array) -> Chunk:
     return chunk
 
 
-def why_not(problem: OfShotOrbits, z: Array) -> str | None:
+def why_not(problem: ShotCurveEquations, z: Array) -> str | None:
     """What a touched surface means for the curve, in words; None where none is near."""
     touch = nearly_touched(problem, z)
     if touch is None:

@@ -14,11 +14,11 @@ from contin.problems.shooting.phase import quietest, rebased
 from contin.problems.shooting.renewal import misplaced
 
 if TYPE_CHECKING:
-    from contin.loci.shooting.shot_curves import OfShotOrbits
+    from contin.loci.shooting.shot_curve_equations import ShotCurveEquations
 
 
 
-def renew(problem: OfShotOrbits, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
+def renew(problem: ShotCurveEquations, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
     """Metric and phase for the next chunk, or the end of the curve."""
     curve, scale = problem.curve, frame.scale
     end = problem.at_birth(origin.z, scale)
@@ -50,7 +50,7 @@ def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
     return replace(sample, tangent=t / np.linalg.norm(t))
 
 
-def _at_new_phase(problem: OfShotOrbits, origin: Sample, z: Array, old: Array, scale: Array) -> Sample:
+def _at_new_phase(problem: ShotCurveEquations, origin: Sample, z: Array, old: Array, scale: Array) -> Sample:
     """The sample there, with the sense of its tangent: the part that no change of phase touches."""
     (t,) = problem.tangents(z, scale)
     orbits, size = problem.curve.orbits, z.size

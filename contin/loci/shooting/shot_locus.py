@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
-from contin.loci.orbits import criticality
+from contin.loci.orbits import criticality, events
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
-from contin.loci.shooting.codimension_two import verify
 from contin.loci.shooting.curve import ShootingCurve
 from contin.loci.shooting.grazing import GrazingCurve
 from contin.loci.shooting.sensitivity import error_of_equations
 from contin.loci.shooting.shot_curves import OfShotOrbits
 from contin.problems.orbits.linearised.multipliers import nontrivial
+from contin.problems.shooting.events import COARSE, FINE
+from contin.problems.shooting.locate import accuracy_of_equations
 from contin.special.table import tests_of_orbits
 
 
@@ -65,7 +66,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         return self.connected(origin, before, frame) or super().renew(origin, before, loop, frame, settings)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        return verify(self, type_, near, frame)
+        return _verified(self, type_, near, frame)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return None
@@ -95,3 +96,16 @@ def ones(values: NDArray[np.complex128]) -> float:
         return 1.0
     below = np.count_nonzero((values.imag == 0.0) & (values.real > 1.0))
     return float((-1.0) ** below * np.min(np.abs(values - 1.0) / (1.0 + np.abs(values))))
+
+
+def _verified(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The zero of a test function along the curve, and how much it depends on the accuracy of the trajectories."""
+    found = events.verify(problem.precise(FINE), type_, near, frame)
+    if not isinstance(found, Verified):
+        return found
+    coarse = max(COARSE, accuracy_of_equations(problem.curve.orbits))
+    rough = events.verify(problem.precise(coarse), type_, near, frame)
+    apart = 0.0
+    if isinstance(rough, Verified):
+        apart = float(np.max(np.abs(rough.z[-2:] - found.z[-2:]) / frame.scale[-2:]))
+    return replace(found, error=found.error + apart * float(frame.scale[-1]))

@@ -28,7 +28,7 @@ from contin.records import Fields
 from contin.special.table import signs_of_points
 
 if TYPE_CHECKING:
-    from contin.loci.sparse.large_locus import LargeLocus
+    from contin.loci.sparse.on_large_curve import OnLargeCurve
 
 RESIDUAL_LIMIT = 1e-7
 ROUNDED = 1e-9
@@ -41,7 +41,7 @@ def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
     return [type_ for index, (type_, _) in signs.items() if a.tests[index] * b.tests[index] < 0.0]
 
 
-def split(problem: LargeLocus, z: Array) -> tuple[Vector, Vector, Vector]:
+def split(problem: OnLargeCurve, z: Array) -> tuple[Vector, Vector, Vector]:
     """Leading eigenvalues at a point of the curve; which of them are not the curve's own; all their vectors."""
     spectrum = problem.curve.spectrum(z)
     values = spectrum.values
@@ -55,7 +55,7 @@ def split(problem: LargeLocus, z: Array) -> tuple[Vector, Vector, Vector]:
     return values, np.delete(np.arange(len(values)), own), spectrum.vectors
 
 
-def tests_at(problem: LargeLocus, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+def tests_at(problem: OnLargeCurve, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests from index 2 on, unstable eigenvalues that are not the curve's own, the leading eigenvalues."""
     values, others, _ = split(problem, z)
     rest = values[others]
@@ -94,14 +94,14 @@ def _chain(at: Folds) -> float:
     return float(np.real(at.at.functional(np.real(at.at.v))))
 
 
-def _lyapunov(problem: LargeLocus, z: Array) -> float:
+def _lyapunov(problem: OnLargeCurve, z: Array) -> float:
     branch, point = problem.curve.branch(z)
     at = problem.curve.pairs_at(z)
     form = simple.hopf(branch, point, at.at[0].v, float(np.sqrt(problem.curve.kappa(z))))
     return float(form["l1"])
 
 
-def verify(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The point of this type near a sample, to full precision."""
     try:
         return _verified(problem, type_, near, frame)
@@ -109,7 +109,7 @@ def verify(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Outco
         return unverified(type_, str(error))
 
 
-def _verified(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Outcome:
+def _verified(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> Outcome:
     if type_ == "BT" and problem.locus == "HB":
         return _takens_by_folds(problem, near, frame)
     measure = _measure(problem, type_, near)
@@ -127,7 +127,7 @@ def _verified(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Ou
     return _described(problem, type_, at.z, residual, error)
 
 
-def _measure(problem: LargeLocus, type_: str, near: Sample) -> Callable[[At], float] | Rejected:
+def _measure(problem: OnLargeCurve, type_: str, near: Sample) -> Callable[[At], float] | Rejected:
     curve = problem.curve
 
     if type_ == "CP":
@@ -154,7 +154,7 @@ def _measure(problem: LargeLocus, type_: str, near: Sample) -> Callable[[At], fl
     return growth
 
 
-def _sized(test: Callable[[At], float], problem: LargeLocus, near: Sample, type_: str) -> Callable[[At], float]:
+def _sized(test: Callable[[At], float], problem: OnLargeCurve, near: Sample, type_: str) -> Callable[[At], float]:
     """A test in units of the part of it that does not cancel, so that what the secant leaves is comparable."""
     size = 1.0
     if type_ == "CP":
@@ -165,7 +165,7 @@ def _sized(test: Callable[[At], float], problem: LargeLocus, near: Sample, type_
     return lambda at: test(at) / size
 
 
-def _takens_by_folds(problem: LargeLocus, near: Sample, frame: Frame) -> Outcome:
+def _takens_by_folds(problem: OnLargeCurve, near: Sample, frame: Frame) -> Outcome:
     """BT from a curve of Hopf points: on the curve of folds through it, where it is a regular zero."""
     hopf = problem.curve
     folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
@@ -185,7 +185,7 @@ def _takens_by_folds(problem: LargeLocus, near: Sample, frame: Frame) -> Outcome
     return replace(found, z=placed)
 
 
-def _described(problem: LargeLocus, type_: str, z: Array, residual: float, error: float) -> Verified:
+def _described(problem: OnLargeCurve, type_: str, z: Array, residual: float, error: float) -> Verified:
     values, others, vectors = split(problem, z)
     rest = list(others)
     own = [k for k in range(len(values)) if k not in rest]

@@ -22,12 +22,12 @@ from contin.problems.sparse.forms import state
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.loci.sparse.large_locus import LargeLocus
+    from contin.loci.sparse.on_large_curve import OnLargeCurve
 
 DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
 
-def with_normal_form(problem: LargeLocus, point: Verified, known: Fields) -> Verified:
+def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields) -> Verified:
     """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed."""
     vectors: Fields = {}
     try:
@@ -46,7 +46,7 @@ def with_normal_form(problem: LargeLocus, point: Verified, known: Fields) -> Ver
     return replace(point, normal_form=form, vectors=known | vectors)
 
 
-def cusp(problem: LargeLocus, z: Array) -> Fields:
+def cusp(problem: OnLargeCurve, z: Array) -> Fields:
     """c = <p, C(q,q,q) + 3 B(q,h)>/6 with A h = -B(q,q), <p, h> = 0, <p, q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
     branch, point = problem.curve.branch(z)
     at = problem.curve.singular(z)
@@ -61,7 +61,7 @@ def cusp(problem: LargeLocus, z: Array) -> Fields:
     return {"c": float(np.real(at.at.functional(cubic))) / size / 6.0}
 
 
-def takens(problem: LargeLocus, z: Array) -> tuple[Fields, Fields]:
+def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
     """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0."""
     branch, point = problem.curve.branch(z)
     at = problem.curve.singular(z)
@@ -85,7 +85,7 @@ def takens(problem: LargeLocus, z: Array) -> tuple[Fields, Fields]:
     return form, {"null": q0, "generalised": q1}
 
 
-def _dense(problem: LargeLocus, type_: str, z: Array, known: Fields) -> Fields:
+def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields) -> Fields:
     branch, point = problem.curve.branch(z)
     linear = branch.linear(point)
     matrix = _entries(linear, problem.n)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,51 +16,17 @@ from contin.linalg.vectors import norm
 from contin.loci.codim2.events import explain as explain_events
 from contin.loci.codim2.events import watch
 from contin.loci.sparse import events
-from contin.loci.sparse.curve import CurveLinearisation, LargeCurve
+from contin.loci.sparse.on_large_curve import OnLargeCurve
 from contin.machine import elementary
-from contin.problems.two_parameters import TwoParameterProblem
 
 POLISH_BUDGET = 12
 
 
 @dataclass(frozen=True, eq=False)
-class LargeLocus(TwoParameterProblem):
+class LargeLocus(OnLargeCurve):
     """See `LargeCurve`; `second_bounds` is the range of the second parameter, that of the first is the engine's."""
 
-    curve: LargeCurve
-
-    @property
-    def n(self) -> int:
-        return self.curve.n
-
-    @property
-    def maximum_chunk(self) -> int:
-        return self.curve.origin.maximum_chunk
-
-    @cached_property
-    def angle_periods(self) -> Array:
-        periods = np.zeros(self.curve.size - 1)
-        periods[: self.n] = self.curve.origin.angle_periods
-        return periods
-
-    @cached_property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(self.curve.size, bool)
-
-    @cached_property
-    def growing(self) -> NDArray[np.bool_]:
-        mask = np.ones(self.curve.size, bool)
-        mask[-2:] = False
-        return mask
-
     # evaluation -------------------------------------------------------------------------------------------------------
-
-    def residual(self, z: Array) -> Array:
-        """The curve's equations (N - 1,), unscaled."""
-        return self.curve.residual(z)
-
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> CurveLinearisation | None:
-        return self.curve.linearisation(z, tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         return events.tests_at(self, z)

@@ -24,7 +24,7 @@ from contin.problems.hybrid.sampling import arc_samples
 from contin.simulate.resets import SENSES
 
 if TYPE_CHECKING:
-    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
+    from contin.problems.hybrid.cycle_of_events import CycleOfEvents
     from contin.problems.hybrid.passage import Flown, Passage
 
 
@@ -46,7 +46,7 @@ TOUCHES: Final = 1e-5  # clearance, relative to how far h changes over the orbit
 TANGENT: Final = 0.05  # rate on landing, relative to its largest along the arc, that may be on its way to zero
 
 
-def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
+def unexpected(problem: CycleOfEvents, z: Array) -> tuple[int, int] | None:
     """(event, arc) of the first event on the orbit that its cycle does not have."""
     passage = problem.passage(z)
     if passage is None:
@@ -56,7 +56,7 @@ def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
     return _not_in_cycle(problem, passage, z)
 
 
-def unexpected_on_curve(problem: HybridOrbits, z: Array, f: Array, jacobian: Array) -> tuple[int, int] | None:
+def unexpected_on_curve(problem: CycleOfEvents, z: Array, f: Array, jacobian: Array) -> tuple[int, int] | None:
     """The same of an orbit on a curve of special orbits, whose equations and their Jacobian these are."""
     passage = problem.passage(z)
     if passage is None:
@@ -66,7 +66,7 @@ def unexpected_on_curve(problem: HybridOrbits, z: Array, f: Array, jacobian: Arr
     return _not_in_cycle(problem, passage, z)
 
 
-def _not_in_cycle(problem: HybridOrbits, passage: Passage, z: Array) -> tuple[int, int] | None:
+def _not_in_cycle(problem: CycleOfEvents, passage: Passage, z: Array) -> tuple[int, int] | None:
     """(event, arc) of the first event on an orbit that its cycle does not have."""
     flow, p, sizes = problem.flow, problem.inner.full_parameters(z), problem.map.sizes
     for number, flown in enumerate(passage.flown):
@@ -81,7 +81,7 @@ def _not_in_cycle(problem: HybridOrbits, passage: Passage, z: Array) -> tuple[in
     return None
 
 
-def _closes(problem: HybridOrbits, f: Array, jacobian: Array) -> bool:
+def _closes(problem: CycleOfEvents, f: Array, jacobian: Array) -> bool:
     """True where Newton's method, which may have stopped across a jump of the map, has no way to go.
 
     jacobian : of a family its last column, by the parameter, counts for nothing; on a curve all of them count.
@@ -92,7 +92,7 @@ def _closes(problem: HybridOrbits, f: Array, jacobian: Array) -> bool:
     return bool(np.max(np.abs(step) / problem.map.sizes[problem.map.kept]) < CLOSED)
 
 
-def _carried(problem: HybridOrbits, flown: Flown, k: int, p: Array) -> bool:
+def _carried(problem: CycleOfEvents, flown: Flown, k: int, p: Array) -> bool:
     """True where the jump at the end of an arc carries h of event k through zero, in its direction."""
     before, after = problem.flow.heights(k, np.array([flown.before, flown.after]), p)
     small = BEFORE_END * flown.time * abs(problem.flow.surface(k, flown.before, p).rate)
@@ -140,7 +140,7 @@ def _appended(chunk: Chunk, sample: Sample, length: float) -> Chunk:
     )  # fmt: skip
 
 
-def ending(problem: HybridOrbits, origin: Sample, before: Sample | None) -> End | None:
+def ending(problem: CycleOfEvents, origin: Sample, before: Sample | None) -> End | None:
     """The grazing or homoclinic orbit at or just beyond the last point of a family; None without a sign of one."""
     found = _new_event(problem, origin.z)
     if found is not None or before is None:
@@ -148,18 +148,18 @@ def ending(problem: HybridOrbits, origin: Sample, before: Sample | None) -> End 
     return homoclinic_end(problem, origin.z, before.z) or _lost_event(problem, origin.z, before.z)
 
 
-def _new_event(problem: HybridOrbits, z: Array) -> End | None:
+def _new_event(problem: CycleOfEvents, z: Array) -> End | None:
     """The surface that an orbit touches without crossing it."""
     k, name = _touched(problem, z), problem.parameters[0]
     return None if k is None else _touching(problem, k, f"{name} = {z[-1]:.10g}", {name: float(z[-1])})
 
 
-def _touching(problem: HybridOrbits, k: int, where: str, at: Mapping[str, float]) -> End:
+def _touching(problem: CycleOfEvents, k: int, where: str, at: Mapping[str, float]) -> End:
     text = f"at {where} the orbit touches the surface of {problem.flow.named(k)}"
     return End("grazing", f"{text}: beyond, it crosses it", {"at": dict(at), "event": k + 1})
 
 
-def _touched(problem: HybridOrbits, z: Array) -> int | None:
+def _touched(problem: CycleOfEvents, z: Array) -> int | None:
     """The event whose surface the orbit touches."""
     passage = problem.passage(z)
     if passage is None:
@@ -186,7 +186,7 @@ def _clearance(h: Array) -> float:
     return best
 
 
-def _lost_event(problem: HybridOrbits, z: Array, before: Array) -> End | None:
+def _lost_event(problem: CycleOfEvents, z: Array, before: Array) -> End | None:
     """The event of the cycle whose crossing becomes tangent, and where."""
     found, name = _lost((problem, z), (problem, before)), problem.parameters[0]
     if found is None:
@@ -196,12 +196,12 @@ def _lost_event(problem: HybridOrbits, z: Array, before: Array) -> End | None:
     return _leaving(problem, k, f"{name} = {at:.8g}", {name: at}, abs(at - float(z[-1])))
 
 
-def _leaving(problem: HybridOrbits, k: int, where: str, at: Mapping[str, float], error: float) -> End:
+def _leaving(problem: CycleOfEvents, k: int, where: str, at: Mapping[str, float], error: float) -> End:
     text = f"near {where} the orbit becomes tangent to the surface of {problem.flow.named(k)}"
     return End("grazing", f"{text}: beyond, the event does not come", {"at": dict(at), "event": k + 1, "error": error})
 
 
-def _lost(now: tuple[HybridOrbits, Array], before: tuple[HybridOrbits, Array]) -> tuple[int, float] | None:
+def _lost(now: tuple[CycleOfEvents, Array], before: tuple[CycleOfEvents, Array]) -> tuple[int, float] | None:
     """Of two orbits, the event whose crossing becomes tangent, and how many of their distances ahead.
 
     The square of its rate falls to zero.
@@ -220,7 +220,7 @@ def _lost(now: tuple[HybridOrbits, Array], before: tuple[HybridOrbits, Array]) -
 
 
 def curve_ending(
-    now: tuple[HybridOrbits, Array], before: tuple[HybridOrbits, Array] | None, names: Sequence[str], place: Array,
+    now: tuple[CycleOfEvents, Array], before: tuple[CycleOfEvents, Array] | None, names: Sequence[str], place: Array,
     last: Array | None,
 ) -> End | None:  # fmt: skip
     """The grazing orbit at or just beyond the last point of a curve in two parameters; None without a sign of one.

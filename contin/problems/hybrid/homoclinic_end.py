@@ -18,7 +18,7 @@ from contin.machine import elementary
 from contin.problems.hybrid.sampling import arc_samples
 
 if TYPE_CHECKING:
-    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
+    from contin.problems.hybrid.cycle_of_events import CycleOfEvents
 
 CANDIDATES: Final = 8  # equilibria near the orbit that are looked at
 ROUNDS: Final = 30
@@ -28,7 +28,7 @@ DWELLS: Final = 8.0  # period times the leading eigenvalue, from which on the or
 FAR: Final = 30.0  # the extrapolated parameter is not further than so many last steps
 
 
-def homoclinic_end(problem: HybridOrbits, z: Array, before: Array) -> End | None:
+def homoclinic_end(problem: CycleOfEvents, z: Array, before: Array) -> End | None:
     """The end at p*, with its saddle; None where the last two orbits do not approach one."""
     passages = problem.passage(z), problem.passage(before)
     if problem.flow.forced or passages[0] is None or passages[1] is None:
@@ -58,7 +58,7 @@ def homoclinic_end(problem: HybridOrbits, z: Array, before: Array) -> End | None
     return End("homoclinic", text, data)
 
 
-def _slowest(problem: HybridOrbits, states: Array, p: Array) -> Iterator[tuple[Array, NDArray[np.complex128]]]:
+def _slowest(problem: CycleOfEvents, states: Array, p: Array) -> Iterator[tuple[Array, NDArray[np.complex128]]]:
     """Equilibria, with their eigenvalues, that Newton's method finds from where the orbit is slowest."""
     fields = np.array([problem.flow.system.value(u, p) for u in states])
     speeds = np.abs(fields / problem.map.sizes).max(axis=1)
@@ -72,7 +72,7 @@ def _slowest(problem: HybridOrbits, states: Array, p: Array) -> Iterator[tuple[A
 
 
 def _is_approached(
-    problem: HybridOrbits, found: tuple[Array, NDArray[np.complex128]], states: Array, period: float
+    problem: CycleOfEvents, found: tuple[Array, NDArray[np.complex128]], states: Array, period: float
 ) -> bool:
     """True for a saddle with one unstable eigenvalue that the orbit comes close to, and stays at for long."""
     saddle, values = found
@@ -81,7 +81,7 @@ def _is_approached(
     return distance < NEAR and len(rising) == 1 < len(values) and float(rising.real[0]) * period > DWELLS
 
 
-def _equilibrium(problem: HybridOrbits, u: Array, p: Array) -> Array | None:
+def _equilibrium(problem: CycleOfEvents, u: Array, p: Array) -> Array | None:
     """The equilibrium of the flow that Newton's method finds from u."""
     sizes, state = problem.map.sizes, u.copy()
     for _ in range(ROUNDS):

@@ -23,8 +23,8 @@ from contin.normalforms.result import sense
 from contin.problems.at_fixed_parameter import at_parameter
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation
 from contin.problems.equilibria import special_points
-from contin.problems.equilibria.fixed_points import OfFixedPoints
 from contin.problems.equilibria.normal_forms import with_normal_form
+from contin.problems.hybrid.cycle_of_events import CycleOfEvents
 from contin.problems.hybrid.grazing import cut_where_events_change, ending, unexpected
 from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, extremes, norm, sampled
@@ -34,10 +34,7 @@ from contin.records import Fields
 from contin.special.table import test_on_branch
 
 if TYPE_CHECKING:
-    from contin.lowering.system import CompiledSystem
-    from contin.problems.hybrid.flow import HybridFlow
-    from contin.problems.hybrid.passage import Passage
-    from contin.problems.hybrid.return_system import ReturnSystem
+    pass
 
 OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points, and what they are of orbits
 OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
@@ -49,39 +46,13 @@ COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those o
 
 
 @dataclass(frozen=True, eq=False)
-class HybridOrbits(OfFixedPoints):
+class HybridOrbits(CycleOfEvents):
     """Fixed points (`inner`) of the map of a cycle of events, as periodic orbits."""
-
-    kind = "orbit"
-    multiplied_out = True
-    maximum_chunk = 10
-
-    @property
-    def map(self) -> ReturnSystem:
-        found: ReturnSystem = self.inner.system  # type: ignore[assignment]
-        return found
-
-    @property
-    def flow(self) -> HybridFlow:
-        return self.map.flow
-
-    @property
-    def system(self) -> CompiledSystem:
-        """The flow without its events."""
-        return self.flow.described
-
-    @property
-    def angle_periods(self) -> Array:
-        return self.inner.angle_periods
 
     def doubled(self) -> HybridOrbits:
         """Orbits with the cycle of events twice."""
         twice = replace(self.map, arcs=2 * self.map.arcs, winding=2.0 * self.map.winding)
         return HybridOrbits(replace(self.inner, system=twice))
-
-    def passage(self, z: Array) -> Passage | None:
-        """The cycle from the solution z."""
-        return self.map.passage(z[:-1], self.inner.full_parameters(z))
 
     def unexpected(self, z: Array) -> tuple[int, int] | None:
         """(event, arc) of the first event on the orbit that its cycle does not have."""

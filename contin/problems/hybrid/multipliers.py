@@ -11,10 +11,10 @@ from contin.abi import Array
 from contin.linalg.spectrum import count_and_tests, spectrum
 
 if TYPE_CHECKING:
-    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
+    from contin.problems.hybrid.cycle_of_events import CycleOfEvents
 
 
-def quotient(problem: HybridOrbits, z: Array) -> Array:
+def quotient(problem: CycleOfEvents, z: Array) -> Array:
     """DP on its quotient by one vector that it maps to zero, in scaled states; NaN where there is none.
 
     That vector is the axis of a state that the last jump sets, which is no unknown, or else f: in an orthonormal basis
@@ -35,7 +35,7 @@ def quotient(problem: HybridOrbits, z: Array) -> Array:
     return np.asarray(rest @ matrix @ rest.T)
 
 
-def stability(problem: HybridOrbits, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+def stability(problem: CycleOfEvents, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
     """(tests of pairs and flips, multipliers outside the unit circle, multipliers: first the trivial one, if any)."""
     matrix = quotient(problem, z)
     own = np.zeros(0) if problem.flow.forced else np.ones(1)

@@ -13,7 +13,7 @@ from contin.simulate.extrema import extremes_between
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
-    from contin.problems.hybrid.hybrid_orbits import HybridOrbits
+    from contin.problems.hybrid.cycle_of_events import CycleOfEvents
     from contin.problems.hybrid.passage import Flown, Passage
 
 SAMPLES = 240  # of an orbit
@@ -32,7 +32,7 @@ class HybridProfile:
     parameter: float
 
 
-def sampled(problem: HybridOrbits, z: Array) -> HybridProfile:
+def sampled(problem: CycleOfEvents, z: Array) -> HybridProfile:
     """The orbit through the solution z; NaN where it is none."""
     names = len(problem.system.state_names)
     passage = problem.passage(z)
@@ -49,7 +49,7 @@ def sampled(problem: HybridOrbits, z: Array) -> HybridProfile:
     return HybridProfile(np.vstack(states), np.concatenate(times) / begun, begun, float(z[-1]))
 
 
-def extremes(problem: HybridOrbits, z: Array) -> tuple[Array, Array]:
+def extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
     """Smallest and largest value of every state and observable on the orbit."""
     flow, p, names = problem.flow, problem.inner.full_parameters(z), len(problem.system.state_names)
     passage = problem.passage(z)
@@ -77,7 +77,7 @@ def extremes(problem: HybridOrbits, z: Array) -> tuple[Array, Array]:
     return np.fmin(low, ends.min(axis=0)), np.fmax(high, ends.max(axis=0))
 
 
-def norm(problem: HybridOrbits, z: Array) -> float:
+def norm(problem: CycleOfEvents, z: Array) -> float:
     """Root mean square of all states over the orbit, sqrt(mean(x^2 + y^2 + ..)).
 
     By the trapezoidal rule with slopes at the ends, of the fourth order, on times that
@@ -107,19 +107,19 @@ def _count(passage: Passage, flown: Flown) -> int:
     return max(LEAST, int(SAMPLES * flown.time / passage.period))
 
 
-def arc_samples(problem: HybridOrbits, z: Array, flown: Flown) -> Array:
+def arc_samples(problem: CycleOfEvents, z: Array, flown: Flown) -> Array:
     """States on an arc, (SAMPLES, n)."""
     return _states(problem, z, flown, np.linspace(0.0, flown.time, SAMPLES))
 
 
-def _states(problem: HybridOrbits, z: Array, flown: Flown, t: Array) -> Array:
+def _states(problem: CycleOfEvents, z: Array, flown: Flown, t: Array) -> Array:
     """The states of an arc at times from 0 to its end, before the jump."""
     states = _flown_states(problem, problem.inner.full_parameters(z), flown.begin, t)
     states[-1] = flown.before
     return states
 
 
-def _flown_states(problem: HybridOrbits, p: Array, u: Array, t: Array) -> Array:
+def _flown_states(problem: CycleOfEvents, p: Array, u: Array, t: Array) -> Array:
     atol = SMALLER * ACCURACY * problem.map.sizes
     flight = fly(
         problem.flow.system, u, p, float(t[-1]), times=t, rtol=ACCURACY, atol=atol, budget=BUDGET

@@ -20,14 +20,14 @@ from contin.problems.large_orbits.radau import A
 from contin.problems.sparse.special_points import At, point_at
 
 if TYPE_CHECKING:
-    from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
+    from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 
 APART: Final = (0.02, 0.01, 0.005)  # scaled distances between the orbits that are interpolated, in turn
 PLACES: Final = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
 RESIDUAL_LIMIT: Final = 1e-6
 
 
-def verify(problem: LargeOrbitProblem, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: LargeOrbitEquations, near: Sample, frame: Frame) -> Outcome:
     """The branch point of cycles near a sample."""
     base = problem.memory.origin
     if base is None:
@@ -70,7 +70,7 @@ def verify(problem: LargeOrbitProblem, near: Sample, frame: Frame) -> Outcome:
 
 
 def _samples(
-    problem: LargeOrbitProblem, base: Sample, frame: Frame, places: Array, line: Array
+    problem: LargeOrbitEquations, base: Sample, frame: Frame, places: Array, line: Array
 ) -> tuple[Array, list[At], Array] | None:
     """Orbits at these distances from the base, and the logarithm of their multiplier."""
     points, values = [], []
@@ -94,7 +94,7 @@ def _zero(x: Array, y: Array) -> float:
     return float(_interpolated(y, x, 0.0))
 
 
-def null_vector(problem: LargeOrbitProblem, z: Array, q: Array, own: Array, scale: Array) -> Array:
+def null_vector(problem: LargeOrbitEquations, z: Array, q: Array, own: Array, scale: Array) -> Array:
     """The null vector of the orbit's equations, without dp, that the multiplier's vector q belongs to.
 
     In scaled unknowns, of length 1, normal to the family's own tangent.

@@ -13,7 +13,7 @@ from contin.problems.large_orbits.multipliers import REAL
 from contin.problems.sparse.special_points import At, secant
 
 if TYPE_CHECKING:
-    from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
+    from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 
 RESIDUAL_LIMIT: Final = 1e-7
 WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1"}
@@ -35,7 +35,7 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("BPC",) if moved == 1 and not seen else None
 
 
-def verify(problem: LargeOrbitProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The orbit of this type near a sample, by the secant method along the family."""
     if type_ == "LPC":
         found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
@@ -75,7 +75,7 @@ def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:
     return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None
 
 
-def excess(problem: LargeOrbitProblem, at: At, type_: str) -> float:
+def excess(problem: LargeOrbitEquations, at: At, type_: str) -> float:
     """How far the critical multiplier is outside the unit circle."""
     values, _ = problem.multipliers(at.z, exactly=True)
     k = critical_index(values, type_)

@@ -21,8 +21,8 @@ from contin.machine import elementary
 from contin.problems.manifolds.eigenspace import Eigenspace
 
 if TYPE_CHECKING:
-    from contin.homoclinic.cycle_ends import Cycle
     from contin.lowering.system import CompiledSystem
+    from contin.problems.orbits.rests_and_cycles import Cycle
 
 DELTA: Final = 1e-5  # of the length: where segments begin
 RTOL: Final = 1e-10

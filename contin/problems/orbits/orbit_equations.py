@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -61,6 +62,11 @@ class OrbitEquations(FamilyOfOrbits):
 
     def period_place(self, z: Array) -> int:
         return int(self.profile(z).u.size)
+
+    @property
+    @abstractmethod
+    def width_at_birth(self) -> float:
+        """Scale of the parameter of a family that was born at a Hopf point."""
 
     @property
     def resolution(self) -> float:

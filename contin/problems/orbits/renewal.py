@@ -24,8 +24,9 @@ TOO_FINE = 0.55  # part of the present number of intervals below which the mesh 
 
 
 def renew(
-    problem: OrbitEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
-) -> Renewal:
+    problem: OrbitEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame,
+    settings: Settings,
+) -> Renewal:  # fmt: skip
     """Metric and mesh for the next chunk, or the end of the branch."""
     found = ending(problem, origin, before, frame)
     if found is not None:

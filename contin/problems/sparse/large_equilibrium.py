@@ -6,242 +6,37 @@ Jacobians, time are proportional to n.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array, Vector
+from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
-from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of, with_copies
-from contin.linalg.eigen import Region, Spectrum, followed, leading
-from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
-from contin.linalg.vectors import dot, norm
-from contin.machine import elementary
-from contin.problems.one_parameter import InOneParameterProblem
+from contin.linalg.vectors import norm
 from contin.problems.sparse import special_points
-from contin.problems.sparse.jacobian import JacobianSource
+from contin.problems.sparse.large_equations import (
+    STRIDE,
+    LargeEquations,
+)
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
-from contin.systems.functions.function_system import FunctionSystem
 
 POLISH_BUDGET = 12
-ROUGH = 1e-2  # relative residual of solves with an old matrix
-STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
-FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
-ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
-NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
 
 
 @dataclass(frozen=True, eq=False)
-class LargeLinearisation:
-    """Scaled residual, and M = [J; t] in scaled unknowns, solved by elimination of the border."""
-
-    residual: Array
-    sign: float  # of det M, where factors give it
-    scale: Array
-    _solution: Solution
-    row: Array | None = None  # of the border, unscaled, ...
-    work: Workspace | None = None  # ... and where the last tangent is
-    rough: bool = False  # solves only as well as a correction with an old matrix needs
-
-    @cached_property
-    def log_determinant(self) -> float:
-        """In place of log |det M|, which swings by many powers of ten when n is large: -2 log |M^-1 e|.
-
-        With it, the test for branch points is the sign of the determinant times 1/|M^-1 e|, about the smallest singular
-        value of M.
-        """
-        if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
-            return 0.0
-        length = norm(self.solve(np.append(np.zeros(len(self.residual)), 1.0)))
-        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
-
-    def solve(self, right: Array) -> Array:
-        """M x = right, in scaled unknowns."""
-        d = self.scale[:-1]
-        both = np.append(d * right[:-1], right[-1])
-        if self.rough and isinstance(self._solution, KrylovBordered):
-            return np.asarray(self._solution.solve(both, ROUGH) / self.scale)
-        if isinstance(self._solution, KrylovBordered) and not right[:-1].any():
-            x = self._tangent(self._solution, both)
-        else:
-            x = self._solution.solve(both)
-        return np.asarray(x / self.scale)
-
-
-    def _tangent(self, solution: KrylovBordered, right: Array) -> Array:
-        """A multiple of the tangent, from the last one that was computed."""
-        if self.row is None or self.work is None:
-            return solution.solve(right)
-        guess = self.work.tangent
-        if guess is not None:
-            along = dot(self.row, guess)
-            far = abs(along) < ALONG * norm(self.row * self.scale) * norm(guess / self.scale)
-            guess = None if far else guess * (right[-1] / along)
-        x = solution.solve(right, guess=guess)
-        if np.all(np.isfinite(x)) and x.any():
-            self.work.tangent = x
-        return x
-
-
-@dataclass(eq=False)
-class Workspace:
-    """What a problem remembers of the last points: their operators, and eigenvectors to start from."""
-
-    z: Array | None = None
-    linear: Linear | None = None
-    start: Array | None = None
-    vectors: NDArray[np.complex128] | None = None
-    gain: float = np.inf  # see `followed`
-    region: Region = field(default_factory=Region)
-    tangent: Array | None = None  # the last one, unscaled
-    judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
-    reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
-
-
-@dataclass(frozen=True, eq=False)
-class LargeProblem(InOneParameterProblem):
-    """F(u, p) = 0 with one parameter free; `base` holds all parameters, entry `active` varies."""
-
-    system: FunctionSystem
-    source: JacobianSource
-    work: Workspace = field(default_factory=Workspace)
-
-    locus = None
-    kind = "equilibrium"
-    is_map = False
-
-    @cached_property
-    def angle_periods(self) -> Array:
-        return self.system.model.periods()
+class LargeProblem(LargeEquations):
+    """The equations of `LargeEquations`, followed by the march in Python."""
 
     @cached_property
     def maximum_chunk(self) -> int:
         return int(np.clip(400_000 // self.n, 2, 20))
 
-    def with_active(self, name: str, z: Array | None = None) -> Self:
-        return replace(super().with_active(name, z), work=Workspace())
-
-    def effort(self) -> dict[str, int]:
-        return self.source.factoriser.tally.counts()
-
     # evaluation -------------------------------------------------------------------------------------------------------
-
-    def residual(self, z: Array) -> Array:
-        """F (n,), unscaled."""
-        return self.system.value(z[:-1], self.full_parameters(z))
-
-    def linear(self, z: Array) -> Linear | None:
-        """F_u at z; None where it is not finite."""
-        work = self.work
-        if work.z is None or not np.array_equal(work.z, z):
-            work.z, work.linear = z.copy(), self.source.at(z[:-1], self.full_parameters(z))
-        return work.linear
-
-    def precisely(self, z: Array) -> Linear | None:
-        """`linear`, with factors of its own where it has some: for what is computed at one place, many times."""
-        linear = self.linear(z)
-        if isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.exact:
-            self.source.forget()
-            self.work.z = None
-            linear = self.linear(z)
-        return linear
-
-    def parameter_slope(self, z: Array) -> Array:
-        """F_p (n,)."""
-        with np.errstate(all="ignore"):
-            return self.system.parameter_slope(z[:-1], self.full_parameters(z), self.active)
-
-    def form(self, z: Array, *directions: Vector) -> Vector:
-        """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex."""
-        n = self.n
-        wide = []
-        for d in directions:
-            v = np.zeros(n + self.system.m, d.dtype)
-            v[:n], v[n + self.active] = d[:n], d[n]
-            wide.append(v)
-        return self.system.derivative(z[:n], self.full_parameters(z), *wide)
-
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> LargeLinearisation | None:
-        f = self.residual(z)
-        if not np.all(np.isfinite(f)):
-            return None
-        linear = self.linear(z)
-        slope = self.parameter_slope(z)
-        if linear is None or not np.all(np.isfinite(slope)):
-            return None
-        row = tangent / scale
-        solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None], coarse=True)
-        sign = linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
-        return LargeLinearisation(f / scale[:-1], sign, scale, solution, row, self.work)
-
-    def again(self, here: python_march.Linearisation, z: Array) -> LargeLinearisation | None:
-        """A linearisation of this problem with the residual at another point, for one more correction."""
-        assert isinstance(here, LargeLinearisation)
-        f = self.residual(z)
-        return replace(here, residual=f / here.scale[:-1], rough=True) if np.all(np.isfinite(f)) else None
-
-    def spectrum(self, z: Array, at_zero: bool = False) -> Spectrum:
-        """Leading eigenvalues of F_u at z, from the factors of the last point if that is near.
-
-        at_zero : z is next to a branch point, where every copy of the eigenvalue nearest to zero is wanted.
-        """
-        work = self.work
-        linear = work.linear
-        size = float(np.abs(z).max(initial=1e-300))
-        if linear is None or work.z is None or float(np.abs(work.z - z).max()) > NEAR * size:
-            linear = self.linear(z)
-        assert linear is not None
-        n = self.n
-        if linear.matrix is not None and n <= SMALL:
-            return every(linear.matrix.toarray())
-        start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
-        radius = 0.0
-        old = self._old_inverse(linear)
-        if old is not None and work.vectors is not None:
-            found, work.gain = followed(linear, old, work.vectors, work.gain)
-            work.vectors = found.vectors
-            return found
-        if linear.matrix is not None:
-            right, up = work.region.of(linear.matrix)
-            radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
-        found = leading(linear, n, start, radius, work.reach)
-        unstable = found.values[found.values.real > 0.0]
-        reach = float(np.abs(unstable).max(initial=0.0)) if found.certain else 0.0
-        if at_zero and found.values.size:
-            reach = max(reach, 2.0 * float(np.abs(found.values[0])), ROUNDINGS * rounding_of(linear, n))
-        if reach > 0.0:
-            found = with_copies(linear, n, found, reach)
-        if found.values.size:
-            work.vectors = found.vectors[:, : FOLLOWED + int(np.sum(found.values.real > 0.0))]
-            work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
-            watched = found.values.real > -0.2 * np.abs(found.values)
-            work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
-        return found
-
-    def _old_inverse(self, linear: Linear) -> Callable[[Array], Array] | None:
-        """About A^-1 times columns, from factors or a preconditioner of an earlier point; None where there is none."""
-        if not isinstance(linear, KrylovLinear) or linear.exact:
-            return None
-        if linear.precise is not None:
-            return linear.precise.solve
-        if not self.source.corrects():
-            return None
-        return lambda columns: np.column_stack([linear.precondition(r) for r in columns.T])
-
-    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        judged = self.work.judged
-        if judged is None or not np.array_equal(judged[0], z):
-            judged = self.work.judged = z.copy(), self.spectrum(z).values
-        values = judged[1]
-        tests, unstable = special_points.stability_tests(values)
-        return tests, unstable, values
 
     # the engine's contract --------------------------------------------------------------------------------------------
 

@@ -28,7 +28,7 @@ from contin.problems.sparse.reduced_equation import Reduced
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import CorrectedEquations
-    from contin.problems.sparse.large_equilibrium import LargeProblem
+    from contin.problems.sparse.large_equations import LargeEquations
 
 SECANT_BUDGET = 10
 TRIAL = 1e-4  # first step of the secant method (scaled arclength)
@@ -39,18 +39,6 @@ RESIDUAL_LIMIT = 1e-7
 CRITICAL = 1e-5
 VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
 EPSILON = float(np.finfo(float).eps)
-
-
-def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:
-    """[pairs, 1] and the number of unstable eigenvalues; `pairs` changes sign when a complex pair crosses."""
-    largest = float(np.abs(values).max(initial=1e-300))
-    unstable = int(np.sum(values.real > 1e-13 * largest))
-    pairs = values[values.imag > 0.0]
-    if not pairs.size:
-        return np.ones(2), unstable
-    size = float(np.min(np.abs(pairs.real) / np.abs(pairs)))
-    sign = -1.0 if int(np.sum(pairs.real > 0.0)) % 2 else 1.0
-    return np.array([sign * size, 1.0]), unstable
 
 
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -71,14 +59,14 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("HB",) if moved == 2 and pairs and not fold and not determinant else None
 
 
-def verify(problem: LargeProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+def verify(problem: LargeEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The point of this type near a sample, to full precision."""
     if type_ == "BP":
         return _branch_point(problem, near, frame)
     return _fold(problem, near, frame) if type_ == "LP" else _hopf(problem, near, frame)
 
 
-def verify_compound(problem: LargeProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
+def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """What can be told apart of several events at one place."""
     found: list[Outcome] = []
     if a.tests[0] * b.tests[0] < 0.0:
@@ -185,7 +173,7 @@ def _scatter(
 # folds and Hopf points ------------------------------------------------------------------------------------------------
 
 
-def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
+def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return unverified("LP", "the parameter does not turn at one point of the curve")
@@ -201,14 +189,14 @@ def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     return Verified("LP", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form)
 
 
-def linear_at(problem: LargeProblem, z: Array) -> Linear:
+def linear_at(problem: LargeEquations, z: Array) -> Linear:
     """F_u at a point of the curve, where it is finite."""
     linear = problem.linear(z)
     assert linear is not None
     return linear
 
 
-def _floor(problem: LargeProblem, z: Array, frame: Frame) -> float:
+def _floor(problem: LargeEquations, z: Array, frame: Frame) -> float:
     """The residual that rounding leaves (scaled): it grows with the size of the Jacobian's entries."""
     size = float(np.max(linear_at(problem, z).magnitude(np.ones(problem.n))))
     return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
@@ -233,7 +221,7 @@ def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
     return value, q
 
 
-def _hopf(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
+def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     spectrum = problem.spectrum(near.z)
     pairs = np.flatnonzero(spectrum.values.imag > 0.0)
     if not pairs.size:
@@ -268,7 +256,7 @@ def _hopf(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
 # branch points --------------------------------------------------------------------------------------------------------
 
 
-def reduction(problem: LargeProblem, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
+def reduction(problem: LargeEquations, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
     """The reduced equation at z, bordered by the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
     spectrum = problem.spectrum(z)
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
@@ -283,7 +271,7 @@ def reduction(problem: LargeProblem, z: Array, tangent: Array, scale: Array) -> 
     return Reduced(problem, rows, null[:-1] * size), q
 
 
-def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
+def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     reduced, _ = reduction(problem, near.z, near.tangent, frame.scale)
     found = reduced.branch_point(near.z)
     if found is None:
@@ -312,13 +300,13 @@ def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
 
 
-def _vanishing(problem: LargeProblem, z: Array, values: NDArray[np.complex128]) -> int:
+def _vanishing(problem: LargeEquations, z: Array, values: NDArray[np.complex128]) -> int:
     """How many real eigenvalues are zero to rounding."""
     limit = VANISHING * rounding_of(linear_at(problem, z), problem.n)
     return int(np.sum((np.abs(values) <= limit) & (values.imag == 0.0)))
 
 
-def kernel_at(problem: LargeProblem, z: Array, tangent: Array, scale: Array, k: int) -> Kernel:
+def kernel_at(problem: LargeEquations, z: Array, tangent: Array, scale: Array, k: int) -> Kernel:
     """The reduction bordered by the k eigenvectors to the eigenvalues nearest to zero.  tangent : scaled."""
     spectrum = problem.spectrum(z, at_zero=True)
     nearest = np.argsort(np.abs(spectrum.values))[:k]
@@ -328,7 +316,7 @@ def kernel_at(problem: LargeProblem, z: Array, tangent: Array, scale: Array, k: 
     return Kernel.of(problem, z, kernel(linear_at(problem, z), vectors) if k > 1 else vectors, tangent, scale)
 
 
-def _multiple(problem: LargeProblem, near: Sample, frame: Frame, k: int) -> Outcome:
+def _multiple(problem: LargeEquations, near: Sample, frame: Frame, k: int) -> Outcome:
     """A branch point with a kernel of dimension k."""
     try:
         kernel = kernel_at(problem, near.z, near.tangent, frame.scale, k)
@@ -355,7 +343,7 @@ def _multiple(problem: LargeProblem, near: Sample, frame: Frame, k: int) -> Outc
     )
 
 
-def tangents(problem: LargeProblem, z: Array, scale: Array) -> list[Array]:
+def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled) of the branches through z."""
     row = np.random.default_rng(5).normal(size=len(z))
     here = problem.linearisation(z, row / norm(row), scale)

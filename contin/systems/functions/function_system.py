@@ -21,7 +21,7 @@ from contin.systems.functions.trials import not_analytic, real, try_function
 from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
-    from contin.systems.functions.function_problem import FunctionProblem
+    from contin.systems.functions.given_function import GivenFunction
     from contin.systems.protocol import Limit
 
 LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
@@ -42,7 +42,7 @@ class FunctionSystem:
     n_switches = 0
     limits: tuple[Limit, ...] = ()
 
-    def __init__(self, model: FunctionProblem) -> None:
+    def __init__(self, model: GivenFunction) -> None:
         self.model = model
         self.kind = model.kind
         self.n, self.m = model.n, len(model.parameter_names)

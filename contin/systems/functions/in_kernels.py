@@ -11,7 +11,6 @@ import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -130,11 +129,6 @@ class FunctionInKernels(FunctionSystem):
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
         self._raise()
         return super().explain(u, p)
-
-
-def in_kernels(system: Any) -> Any:
-    """A system that has addresses: itself, or a user's function behind callbacks."""
-    return system.model.in_kernels if isinstance(system, FunctionSystem) else system
 
 
 def _view(pointer: object, size: int) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from contin.abi import Array, Vector
 from contin.errors import UserFunctionError
 
 if TYPE_CHECKING:
-    from contin.systems.functions.function_system import FunctionSystem
+    from contin.systems.functions.given_function import GivenFunction
 
 BESIDE: Final = (
     0.01  # distance from the start (relative) of the points that are tried: what vanishes there hides nothing
@@ -36,7 +36,25 @@ def real(what: str, array: Vector) -> Array:
     return np.array(array, dtype=float)
 
 
-def try_function(system: FunctionSystem, u0: Array, p0: Array) -> None:
+class Tried(Protocol):
+    """What trials ask of a function with its derivatives."""
+
+    model: GivenFunction
+    n: int
+    m: int
+    parameter_names: tuple[str, ...]
+
+    def raw(self, u: Vector, p: Vector) -> Vector:
+        """What the function returns, (n,)."""
+
+    def jacobian_product(self, u: Array, p: Array, v: Array) -> Array:
+        """dF/du v."""
+
+    def parameter_slope(self, u: Array, p: Array, k: int) -> Array:
+        """dF/dp of one parameter."""
+
+
+def try_function(system: Tried, u0: Array, p0: Array) -> None:
     """UserFunctionError where the function, or a derivative that is given, cannot be what continuation needs."""
     sizes = np.concatenate(
         [np.where(u0 != 0.0, np.abs(u0), system.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)]
@@ -54,7 +72,7 @@ def try_function(system: FunctionSystem, u0: Array, p0: Array) -> None:
         _try_parameters(system, u, p, direction)
 
 
-def _value(system: FunctionSystem, u: Array, p: Array) -> Vector | None:
+def _value(system: Tried, u: Array, p: Array) -> Vector | None:
     """F as the function gives it; None where it fails, or is not real and finite."""
     try:
         value = system.raw(u, p)
@@ -75,7 +93,7 @@ def _in_double_precision(value: Vector) -> None:
         )
 
 
-def _difference(system: FunctionSystem, u: Array, p: Array, v: Array) -> tuple[Array, Array]:
+def _difference(system: Tried, u: Array, p: Array, v: Array) -> tuple[Array, Array]:
     """D F[v] by central differences, and the estimate of its error; NaN where F is not real and finite.
 
     Two differences may err alike by rounding, as where a small term stands beside large ones: that is counted too.
@@ -99,7 +117,7 @@ def differs(given: Array, found: Array, error: Array) -> NDArray[np.bool_]:
     )
 
 
-def _try_jacobian(system: FunctionSystem, u: Array, p: Array, direction: Array) -> None:
+def _try_jacobian(system: Tried, u: Array, p: Array, direction: Array) -> None:
     if system.model.jacobian is None:
         return
     v = np.append(direction[: system.n], np.zeros(system.m))
@@ -117,7 +135,7 @@ def _try_jacobian(system: FunctionSystem, u: Array, p: Array, direction: Array) 
     )  # fmt: skip
 
 
-def _wrong_entries(system: FunctionSystem, u: Array, p: Array, row: int) -> Iterator[str]:
+def _wrong_entries(system: Tried, u: Array, p: Array, row: int) -> Iterator[str]:
     if system.n > SEARCHED:
         return
     for column in range(system.n):
@@ -132,7 +150,7 @@ def _wrong_entries(system: FunctionSystem, u: Array, p: Array, row: int) -> Iter
             )
 
 
-def try_sparsity(system: FunctionSystem, matrix: Callable[[Array, Array], Any]) -> None:
+def try_sparsity(system: Tried, matrix: Callable[[Array, Array], Any]) -> None:
     """UserFunctionError where differences by the colours of a given pattern are not those in a random direction.
 
     matrix : (u, p) -> dF/du in the pattern. What the pattern leaves out is missing there, or counted elsewhere.
@@ -159,7 +177,7 @@ def try_sparsity(system: FunctionSystem, matrix: Callable[[Array, Array], Any]) 
         )
 
 
-def _left_out(system: FunctionSystem, jacobian: Any, u: Array, p: Array) -> Iterator[str]:
+def _left_out(system: Tried, jacobian: Any, u: Array, p: Array) -> Iterator[str]:
     """Entries that are not zero and not in the pattern, in words."""
     if system.n > SEARCHED:
         return
@@ -174,7 +192,7 @@ def _left_out(system: FunctionSystem, jacobian: Any, u: Array, p: Array) -> Iter
             yield f"F[{row}] depends on u[{column}], and entry ({row}, {column}) is not in it"
 
 
-def _try_parameters(system: FunctionSystem, u: Array, p: Array, direction: Array) -> None:
+def _try_parameters(system: Tried, u: Array, p: Array, direction: Array) -> None:
     if system.model.parameter_jacobian is None:
         return
     for k, name in enumerate(system.parameter_names):
@@ -192,7 +210,7 @@ def _try_parameters(system: FunctionSystem, u: Array, p: Array, direction: Array
 
 
 def not_analytic(
-    system: FunctionSystem, u: Array, p: Array, first: Callable[[Array, Array, Array], Array]
+    system: Tried, u: Array, p: Array, first: Callable[[Array, Array, Array], Array]
 ) -> str | None:
     """Where complex steps give another derivative here than differences do: which; None where they agree."""
     z = np.concatenate([u, p])

@@ -38,7 +38,9 @@ UNRESOLVED: Final = 0.2  # distance from 1 of the multiplier on a finer mesh at 
 UNFOLDED: Final = 1e-6  # unfolding parameter (scaled) that a branch point leaves
 
 
-def solve_special(problem: OrbitEquations, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
+def solve_special(
+    problem: OrbitEquations, type_: str, z: Array, scale: Array, theta: float = 0.0
+) -> SolvedOrbit | None:
     """Newton on the defining system of LPC, BPC, PD or NS from z; None where it does not converge.
 
     The error has two parts: how rounding reaches p (scatter of Newton steps from perturbed solutions), and the

@@ -1,4 +1,4 @@
-"""The ends of a connecting orbit as they are known before it: a cycle with its Floquet modes, or an equilibrium."""
+"""What orbits connect and manifolds leave: a cycle with its Floquet modes, or an equilibrium, at fixed parameters."""
 
 from __future__ import annotations
 

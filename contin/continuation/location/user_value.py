@@ -1,0 +1,77 @@
+"""User values: a parameter or a column at a wanted value, located on a stretch of the curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.curve import Stretch
+from contin.continuation.location.found import Found
+from contin.continuation.problem import Problem, Sample, Verified
+
+
+class Sought(Protocol):
+    """A value that a function takes between rows of a branch, beside the events that the march sees."""
+
+    @property
+    def column(self) -> str:
+        """What it is called."""
+
+    @property
+    def value(self) -> float: ...
+
+    def values(self, problem: Problem, z: Array) -> Array:
+        """Of a function of rows z that takes the value there."""
+
+    def locate(self, stretch: Stretch, z_a: Array, z_b: Array) -> Found | None:
+        """The point between two points of the stretch."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """`column` (the varying parameter, a state or an observable) takes `value`."""
+
+    column: str
+    value: float
+
+    def values(self, problem: Problem, z: Array) -> Array:
+        if self.column == problem.parameters[0]:
+            return np.asarray(z[:, -1])
+        return np.asarray(problem.columns(z)[self.column], dtype=float)
+
+    def locate(self, stretch: Stretch, z_a: Array, z_b: Array) -> Found | None:
+        """The point between two points of the stretch where the column has the value."""
+        problem, frame = stretch.problem, stretch.frame
+
+        def value(sample: Sample) -> float:
+            return float(self.values(problem, sample.z[None, :])[0] - self.value)
+
+        near, distance = zero_between(stretch, z_a, z_b, value)
+        z = near.z
+        if self.column == problem.parameters[0]:
+            solved = problem.at_parameter(near.z, self.value, frame.scale)
+            if solved is not None and np.linalg.norm((solved - near.z) / frame.scale) < 1e-4:
+                z = solved
+            else:
+                z = near.z.copy()
+                z[-1] = self.value
+        error = 0.0 if self.column == problem.parameters[0] else distance * float(frame.scale[-1])
+        point = Verified("UZ", z, abs(value(replace(near, z=z))), error, near.eigenvalues, near.unstable)
+        return Found(stretch.length_of(near), point, near)
+
+
+def zero_between(stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Sample], float]) -> tuple[Sample, float]:
+    """The sample between two points of the stretch where a function of samples vanishes, and how well it is known."""
+    ends = []
+    for z in (z_a, z_b):
+        length = float(stretch.base.tangent @ ((z - stretch.base.z) / stretch.frame.scale))
+        sample = stretch.problem.probe(stretch.base, length, z, stretch.frame, stretch.settings)
+        ends.append(replace(sample or stretch.base, z=z))  # at a branch point Newton fails, but z is known
+    a, b = ends
+    if value(b) != 0.0:
+        a, b = stretch.zero(value, a, b, 1e-14)
+    return (b if abs(value(b)) <= abs(value(a)) else a), stretch.distance(a, b)

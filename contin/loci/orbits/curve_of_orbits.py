@@ -1,0 +1,64 @@
+"""A curve of special orbits, as what looks for points of codimension two takes it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.hopf_end import SMALL
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+
+HALVES = 100
+
+
+@dataclass(frozen=True, eq=False)
+class CurveOfSpecialOrbits(OfPeriodicOrbits):
+    """`curve` is a `CurveOfPeriodicOrbits` of LPC, BPC, PD or NS; that of NS has cos(theta) as a further unknown."""
+
+    def has_met_half(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is one of half its period, but for a difference that does not matter."""
+        return not self.curve.orbits.multiple % 2 and float(np.max(np.abs(self._halves_apart(z, scale)))) < SMALL
+
+    def passes_half(self, before: Array, here: Array, scale: Array) -> bool:
+        """True where the curve has passed orbits of half the period between two rows: the halves change places."""
+        if self.curve.orbits.multiple % 2:
+            return False
+        return float(np.sum(self._halves_apart(before, scale) * self._halves_apart(here, scale))) < 0.0
+
+    def _halves_apart(self, z: Array, scale: Array) -> Array:
+        """u(x + 1/2) - u(x), relative to the states' sizes, at `HALVES` times in half a period."""
+        orbits, u, times = self.curve.orbits, self.curve.profile(z), np.linspace(0.0, 0.5, HALVES)
+        sizes = orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
+        return np.asarray((u.at(times + 0.5) - u.at(times) - 0.5 * orbits.winding) / sizes)
+
+    @abstractmethod
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        """This curve with half the discretisation's lengths, a sample of it and the metric; None without a mesh."""
+
+    @abstractmethod
+    def error_of_equations(self, z: Array, scale: Array) -> float:
+        """What approximate equations (averages by quadrature) leave of the first parameter; 0 of exact ones."""
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]
+        return bool(near.all()) and self.curve.orbits.is_one(self.curve.profile(a.z), self.curve.profile(b.z))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        return super().columns(z) | self.angle_columns(z)
+
+    def angle_columns(self, z: Array) -> dict[str, Array]:
+        """Of tori: cos(theta), and where the pair is real."""
+        if self.locus != "NS":
+            return {}
+        cosine = z[:, -3].copy()
+        return {"cos.theta": cosine, "neutral": np.asarray(np.abs(cosine) > 1.0)}
+
+    @abstractmethod
+    def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
+        """The multipliers without the trivial and the critical ones."""

@@ -1,0 +1,58 @@
+"""Curves of orbits by shooting: metric, linearisation, columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from contin.abi import Array
+from contin.loci.shooting.curve import CurveByShooting
+from contin.problems.orbits.marched_in_python import MarchedInPython
+from contin.problems.orbits.measured.columns import names_of
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.problems.shooting.linear import BorderedShooting
+from contin.problems.shooting.sampling import measures
+
+
+@dataclass(frozen=True, eq=False)
+class ShotCurveEquations(MarchedInPython, OfPeriodicOrbits):
+    """See `contin.loci.shooting.curve` for the unknowns and equations.
+
+    Cost of a Newton step: the orbit's trajectories three times (LPC, PD), five times (NS, BPC) or once (touching
+    orbits, one period), each with n + 2 variations, and a dense solve of size M n + 3 (NS, BPC: M n + 5).
+    """
+
+    curve: CurveByShooting
+    maximum_chunk = 10
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        first, second = self.widths(z, bounds)
+        own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
+        return self.curve.join(own, second, 1.0)
+
+    def settle(self, z: Array, scale: Array) -> None:
+        self.curve.settle(z, scale)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> BorderedShooting | None:
+        found = self.curve.linearise(z, scale)
+        if found is None or not np.all(np.isfinite(found.jacobian)):
+            return None
+        where = self.curve.unknowns(z)
+        return BorderedShooting(found.residual, np.vstack([found.jacobian, tangent[where]]), where, z.size)
+
+    def precise(self, accuracy: float) -> Self:
+        """The same curve with trajectories of another accuracy."""
+        return replace(self, curve=self.curve.precise(accuracy))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
+        curve = self.curve
+        columns = self.parameter_columns(z)
+        columns["period"] = z[:, curve.orbits.count * curve.orbits.n].copy()
+        both = [measures(curve.as_they_are(row), curve.orbit(row)[None])[:2] for row in z]
+        for k, name in enumerate(names_of(self.system)):
+            columns[f"{name}.min"] = np.array([low[0, k] for low, _ in both])
+            columns[f"{name}.max"] = np.array([high[0, k] for _, high in both])
+        return columns
