@@ -60,16 +60,11 @@ def solve(
     """
     curve, rows = problem.curve, scale[:-1]
     parameters = curve.parameters(near.z)
-    gradient = _differences(function, near.z, DIFFERENCE * np.diag(scale)) / DIFFERENCE
+    off = 0.0 if rounding is None else rounding(near.z)
+    gradient = _gradient(problem, function, near.z, scale, parameters, off)
     size = float(np.linalg.norm(gradient))
     if not 0.0 < size < np.inf:
         return None
-    off = 0.0 if rounding is None else rounding(near.z)
-    if off > 0.0:
-        shorter = _differences(function, near.z, SHORTER * DIFFERENCE * np.diag(scale)) / (SHORTER * DIFFERENCE)
-        bent = np.abs(shorter - gradient) > off / (SHORTER * DIFFERENCE)  # more than rounding explains
-        gradient = _right_along(problem, function, near.z, scale, parameters, np.where(bent, shorter, gradient), off)
-        size = float(np.linalg.norm(gradient))
     gradient, off = gradient / size, off / size
 
     def residual(y: Array) -> tuple[Array, Array]:
@@ -108,6 +103,18 @@ def solve(
     second, first = (scatter + lacking)[-2:].tolist()
     g[-1] = max(abs(float(g[-1])) - off, 0.0)  # what is not rounding
     return Solution(y, float(np.max(np.abs(g))), first, drift, second, not after * before > 0.0)
+
+
+def _gradient(
+    problem: CurveOfPoints, function: Callable[[Array], float], z: Array, scale: Array, parameters: Array, off: float
+) -> Array:
+    """The gradient of a function that may be off by as much, in scaled unknowns; not finite where it has none."""
+    gradient = _differences(function, z, DIFFERENCE * np.diag(scale)) / DIFFERENCE
+    if not (off > 0.0 and 0.0 < float(np.linalg.norm(gradient)) < np.inf):
+        return gradient
+    shorter = _differences(function, z, SHORTER * DIFFERENCE * np.diag(scale)) / (SHORTER * DIFFERENCE)
+    bent = np.abs(shorter - gradient) > off / (SHORTER * DIFFERENCE)  # more than rounding explains
+    return _right_along(problem, function, z, scale, parameters, np.where(bent, shorter, gradient), off)
 
 
 def _differences(function: Callable[[Array], float], z: Array, steps: Array) -> Array:

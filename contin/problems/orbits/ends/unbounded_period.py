@@ -55,7 +55,6 @@ def diverged(
         counts as error.
     """
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
-    position = problem.period_place(origin.z)
     earlier = problem.profile(before.z)
     gained = profile.period - earlier.period
     if not gained > 0.0:
@@ -63,14 +62,9 @@ def diverged(
     saddles = saddles_near(problem, profile, sizes)
     if not saddles:
         return None
-    slopes = []
-    for sample in (origin, before):
-        exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
-        tangent = sample.tangent if exact is None else exact.tangent
-        if (exact is None and not failed) or tangent[position] == 0.0:
-            return None
-        raw = tangent * frame.scale
-        slopes.append(float(raw[-1] / raw[position]))
+    slopes = [_slope(problem, sample, frame, failed) for sample in (origin, before)]
+    if np.isnan(slopes).any():
+        return None
     width = float(frame.scale[-1])
     moved = profile.parameter - earlier.parameter
     growth = _growth(profile, earlier, sizes, problem.winding) / gained
@@ -103,6 +97,16 @@ def diverged(
             doubt += (2.0 * remaining + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
             return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
     return None
+
+
+def _slope(problem: FamilyOfOrbits, sample: Sample, frame: Frame, failed: bool) -> float:
+    """dp/dT; NaN where it is not known."""
+    exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
+    tangent, position = sample.tangent if exact is None else exact.tangent, problem.period_place(sample.z)
+    if (exact is None and not failed) or tangent[position] == 0.0:
+        return np.nan
+    raw = tangent * frame.scale
+    return float(raw[-1] / raw[position])
 
 
 def _fading(slopes: Sequence[float], gained: float) -> float:
