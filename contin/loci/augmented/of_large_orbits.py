@@ -23,17 +23,19 @@ from contin.continuation.departure import Seed
 from contin.linalg.krylov import gmres
 from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.loci.augmented.curve_equations import CurveEquations
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.large_orbits import LargeOrbitBase
 from contin.machine import elementary
 from contin.problems.large_orbits.events import critical_index
-from contin.problems.large_orbits.large_orbit import LargeOrbitProblem, Memory
+from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
+from contin.problems.large_orbits.large_orbit_equations import Memory
 from contin.problems.large_orbits.multipliers import REAL
 from contin.problems.large_orbits.sweeps import Sweeps
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
-    from contin.problems.large_orbits.large_orbit import OrbitLinearisation
+    from contin.problems.large_orbits.large_orbit_equations import OrbitLinearisation
 
 Image = Callable[[LargeOrbitProblem, Array], Vector | None]
 STEP: Final = 1e-5  # of differences, relative to sizes of the metric
@@ -190,7 +192,7 @@ class Special:
     def text(self) -> str:
         return f"the condition of {self.type}"
 
-    def near(self, problem: AugmentedCurve, z: Array, scale: Array) -> Scalars:
+    def near(self, problem: CurveEquations, z: Array, scale: Array) -> Scalars:
         family, inner = self.base.at(z), self.base.inner(z)
         if self.type == "LPC":
             own = self.base.inner(scale)
