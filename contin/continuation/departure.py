@@ -26,6 +26,7 @@ from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 
 NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
+FOLDS = ("LP", "LPC")
 BEYOND = 1e-9  # of the range: a start this far outside it was solved for, and lies on its bound
 
 
@@ -90,7 +91,7 @@ class Departure:
         """
         seed, problem = self.seed, self.seed.problem
         outward = _outward(seed, self.start, sense, self.bounds)
-        if outward is not None:
+        if outward is not None and not self._turns_here:
             return outward
         origin = self._origin(sense)
         if origin is None:
@@ -107,6 +108,11 @@ class Departure:
         )
         arm = Arm(course, origin, self.scale.copy(), _oriented(self.start, sense), march)
         return arm, [Piece.single(origin, self.scale)] if seed.born else []
+
+    @property
+    def _turns_here(self) -> bool:
+        """True at a start that is a fold to rounding: which way its tangent points says nothing."""
+        return any(found.point.type in FOLDS for found in self.here)
 
     def origin(self, sense: int) -> Sample | None:
         """Where the arm of this sense sets out, with the start's sense; None where there is no such arm."""

@@ -21,7 +21,13 @@ class Polynomial:
     """Equations with coefficients that are exact in binary; the solutions' x at p are the roots of one polynomial."""
 
     equations: dict[str, str]
-    eliminant: sympy.Expr  # in x and p; y is a rational function of them
+    eliminant: sympy.Expr  # in x and p
+    second: sympy.Expr  # y of a solution, in x and p
+
+    def within(self, roots: np.ndarray, p: float, size: float) -> np.ndarray:
+        """Those of the x at p that belong to solutions in the box |x|, |y| <= size, clear of its edge."""
+        y = np.broadcast_to(sympy.lambdify(sympy.symbols("x p"), self.second)(roots, p), roots.shape)
+        return np.asarray(roots[np.maximum(np.abs(roots), np.abs(y)) < 0.99 * size])
 
     def roots(self, p: float) -> np.ndarray:
         """The real x at p, ascending."""
@@ -49,11 +55,12 @@ def random_polynomial(generator: np.random.Generator, n: int, degree: int) -> Po
          for i, j in powers for c in [_coefficient(generator)]), sympy.Integer(0),
     ) - x**degree  # fmt: skip
     if n == 1:
-        return Polynomial({"x": _text(g)}, g)
+        return Polynomial({"x": _text(g)}, g, sympy.Integer(0))
     a, b = (sympy.Rational(c.numerator, c.denominator) for c in (_coefficient(generator), _coefficient(generator)))
     second = a * x**2 + b * p * x - 2 * y
     first = g + sympy.Rational(1, 4) * y * x + sympy.Rational(1, 8) * y
-    return Polynomial({"x": _text(first), "y": _text(second)}, sympy.expand(first.subs(y, (a * x**2 + b * p * x) / 2)))
+    of_x = (a * x**2 + b * p * x) / 2
+    return Polynomial({"x": _text(first), "y": _text(second)}, sympy.expand(first.subs(y, of_x)), of_x)
 
 
 def _text(expression: sympy.Expr) -> str:

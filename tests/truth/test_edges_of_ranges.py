@@ -133,6 +133,16 @@ def test_a_fold_on_the_edge_of_the_range_has_rows_on_the_curve_only(equation, in
         assert [end.reason for end in branch.ends] == ["bound", "bound"]
 
 
+@pytest.mark.parametrize("beside", [1e-6, 1e-8, 1e-9, -1e-9, -1e-8, -1e-6])
+def test_both_halves_of_a_fold_on_the_edge_are_followed_from_a_start_that_is_the_fold_to_rounding(beside):
+    """A double root is found to 1e-8: along its tangent the parameter leaves the range, but by 1e-16."""
+    model = Model("fold", states={"x": 1.0 + beside}, parameters={"p": 0.0}, equations={"x": "p - (x - 1)^2"})
+    at = beside * beside
+    branch = contin.continuation(contin.equilibrium(model, {"x": 1.0 + beside}, {"p": at}), "p", (at, 1.0))
+    assert [p.type for p in branch.points] == ["LP"]
+    assert sorted(branch.columns["x"][[0, -1]]) == pytest.approx([0.0, 2.0])
+
+
 def test_a_range_next_to_rounding_about_a_fold_has_no_branch_point():
     """x' = p + x - x^3 with a state that follows: in a width of 1e-9 the derivative by p is next to nothing."""
     place, x = -2.0 / 3.0**1.5, 3.0**-0.5

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import contin
+from contin.machine import elementary
 from contin.model.model import Model
 
 ACCURACIES = (1e-8, 1e-11, 1e-13)
@@ -72,8 +74,11 @@ class Cells:
         return contin.continuation(seed, "k", box)
 
 
-def synchrony_lost(cells: Cells, guess: float) -> float:
-    """k at which the variation across of an oscillator in step with the others has a multiplier 1, next to a guess."""
+def synchrony_lost(cells: Cells, type_: str, guess: float) -> float:
+    """k, next to a guess, at which the variation across of an oscillator in step with the others has a multiplier 1.
+
+    At an NS its two multipliers are a pair of modulus 1: their product is 1.
+    """
     a, b, beta, eps, stiff = cells.numbers
 
     def field(t: float, v: Any, k: float, on: bool) -> Any:
@@ -95,10 +100,15 @@ def synchrony_lost(cells: Cells, guess: float) -> float:
         v[4:] *= -x / (-x + eps * (a * x**3 - b * x**5))
         return v
 
-    amplitude = brentq(lambda r: half(r, 0.0)[0] + r, 2.0, 2.6, xtol=1e-13)
+    change = lambda r: half(r, 0.0)[0] + r  # noqa: E731
+    radii = np.linspace(3.2, 1.0, 23).tolist()  # from the outermost, which attracts
+    outer = next(r for r, inner in pairwise(radii) if change(r) * change(inner) < 0.0)
+    amplitude = brentq(change, outer - 0.1, outer, xtol=1e-13)
 
     def excess(k: float) -> float:
         matrix = half(amplitude, k)[2:].reshape(2, 2)
+        if type_ == "NS":
+            return float(elementary.square(np.linalg.det(matrix)) - 1.0)
         return float(np.linalg.det(matrix @ matrix - np.eye(2)))
 
     return float(brentq(excess, guess - 0.03, guess + 0.03, xtol=1e-13))
@@ -132,7 +142,7 @@ def test_labels_of_orbits_in_phase_depend_on_no_tolerance_and_no_rounding(cells)
             assert one.vectors.get("kernel", 1) == cells.count - 1
     if cells.coupling == "diffusion":
         for point in first:
-            assert point.z[-1] == pytest.approx(synchrony_lost(cells, point.z[-1]), abs=point.error + 1e-9)
+            assert point.z[-1] == pytest.approx(synchrony_lost(cells, point.type, point.z[-1]), abs=point.error + 1e-9)
 
 
 def test_two_against_one_branches_from_three_in_phase():

@@ -14,7 +14,7 @@ from tests.truth.polynomials import RANGE, random_polynomial
 
 VALUES = [-0.93, -0.55, -0.17, 0.21, 0.59, 0.87]
 SAME = 1e-9
-REACH = 15.0  # of x; the box that is searched holds the y that belong to these
+SIZE = 60.0  # of the box that is searched
 
 
 def judged(seed: int, n: int, degree: int) -> tuple[Counter[str], list[str]]:
@@ -26,7 +26,7 @@ def judged(seed: int, n: int, degree: int) -> tuple[Counter[str], list[str]]:
     folds = system.singular()
     states = dict.fromkeys(system.equations, 0.0)
     model = contin.Model("polynomial", states=states, parameters={"p": RANGE[0]}, equations=system.equations)
-    box = dict.fromkeys(states, (-60.0, 60.0))
+    box = dict.fromkeys(states, (-SIZE, SIZE))
     where = f"seed {seed}, n = {n}, degree {degree}, {system.equations}"
     try:
         diagrams = contin.diagram(model, "p", RANGE, start="all", box=box, orbits=False)
@@ -37,7 +37,7 @@ def judged(seed: int, n: int, degree: int) -> tuple[Counter[str], list[str]]:
         if min((abs(value - f) for f in folds), default=1.0) < 1e-3:
             continue
         expected, found = system.roots(value), np.sort(solutions(diagrams, value).reshape(-1, n)[:, 0])
-        within = expected[np.abs(expected) < REACH]
+        within = system.within(expected, value, SIZE)
         missing = [x for x in within if np.abs(found - x).min(initial=1.0) > SAME * (1.0 + abs(x))]
         extra = [x for x in found if np.abs(expected - x).min(initial=1.0) > SAME * (1.0 + abs(x))]
         counts.update(expected=len(within), found=len(within) - len(missing), spurious=len(extra))
