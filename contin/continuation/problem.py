@@ -179,12 +179,23 @@ class Renewal:
 
 @dataclass(frozen=True)
 class Floor:
-    """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself."""
+    """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself.
+
+    With `together`, which are unknowns, their distance from zero must stay above it: they may change sign one by one.
+    """
 
     index: int
     lowest: float
     text: str  # what to say there
     singular: bool = False
+    together: tuple[int, ...] = ()
+
+    def heights(self, rows: NDArray[np.float64], scale: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far rows (K, N) of unknowns are above the floor, (K,), in units of the scale."""
+        if self.together:
+            taken = list(self.together)
+            return np.asarray(np.linalg.norm(rows[:, taken] / scale[taken], axis=1))
+        return np.asarray((rows[:, self.index] - self.lowest) / scale[self.index])
 
 
 class Planar(Protocol):

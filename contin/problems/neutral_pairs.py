@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.linalg.balancing import weights
+from contin.linalg.balancing import balancing_scales
 from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.problems.dense_march import DenseMarch
 
@@ -74,7 +74,8 @@ def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Arr
     rounding = np.abs(problem.linear_part(z + shift) - 2.0 * matrix + problem.linear_part(z - shift))
     balanced = scale[:-1] / scale[0]
     if np.all(np.isfinite(matrix)):
-        balanced = balanced * weights(matrix / balanced[:, None] * balanced)  # as QR does, whose errors are meant
+        # as QR does, whose errors are meant
+        balanced = balanced * balancing_scales(matrix / balanced[:, None] * balanced)
     entries = rounding / balanced[:, None] * balanced
     matrix = matrix / balanced[:, None] * balanced
     entries += ROUNDING * float(np.abs(matrix).max())
@@ -159,7 +160,10 @@ def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) 
     looked = _places(len(z))
     fewest = problem.n if looked else 0
     for row in z[looked]:
-        values, _ = spectrum(problem.linear_part(row))
+        matrix = problem.linear_part(row)
+        if not np.all(np.isfinite(matrix)):
+            return ()
+        values, _ = spectrum(matrix)
         if not is_suspect(values, problem.is_map):  # what stays on the boundary is a pair whose sum is nearly zero
             return ()
         exact = paired(values, errors_of(problem, row, values, scale()), problem.is_map)

@@ -17,7 +17,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import ContinError
-from contin.linalg.balancing import weights
+from contin.linalg.balancing import balancing_scales
 from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
@@ -227,7 +227,7 @@ def without_rounding(coupling: Array) -> Array:
     """
     if not np.any((coupling > 0.0) & (coupling <= ROUNDING * coupling.max())):
         return coupling
-    d = weights(coupling)
+    d = balancing_scales(coupling)
     balanced = coupling / d[:, None] * d
     return np.asarray(np.where(balanced > ROUNDING * balanced.max(), coupling, 0.0))
 

@@ -105,11 +105,11 @@ def test_pairs_are_suspected_alike_among_few_and_among_many(is_map):
 
 
 def test_a_slow_growth_is_seen_beside_couplings_of_very_unlike_sizes():
-    """x' = .3 x + 10^(2p) y, y' = .3 y - x: .3 +- 10^p i, two unstable ones, at every p."""
+    """x' = .3 x + p^2 y, y' = .3 y - x: .3 +- i p, two unstable ones, at every p."""
     model = contin.Model(
         "unlike", states={"x": 0, "y": 0}, parameters={"p": 1.0},
-        equations={"x": "0.3*x + 10^(2*p)*y", "y": "0.3*y - x"},
+        equations={"x": "0.3*x + p^2*y", "y": "0.3*y - x"},
     )  # fmt: skip
-    branch = contin.continuation(contin.equilibrium(model, {"x": 0, "y": 0}), "p", (1.0, 10.0))
+    branch = contin.continuation(contin.equilibrium(model, {"x": 0, "y": 0}), "p", (1.0, 1e10))
     assert np.all(branch.columns["unstable"] == 2)
     assert not branch.points

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.arm import Arm
@@ -14,6 +15,7 @@ from contin.continuation.problem import Floor, Problem
 from contin.continuation.segment import Piece, Row
 
 SMALL: Final = 1e-6  # of its scale: an unknown this near to its floor lies on it
+STRAIGHT: Final = 1e-3  # of a step's length: a chord this near to the point at which all unknowns vanish leads through
 
 
 def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
@@ -32,7 +34,8 @@ def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Arr
             continue
         row, floor = cut
         found = tuple(mark for mark in piece.found if _stays(mark, row, floor, piece))
-        end = found[-1].point.z if found and found[-1].before == row + 1 else piece.z[row]
+        last = piece.z[row - 1] if row else before
+        end = found[-1].point.z if found and found[-1].before == row + 1 else _where(floor, last, piece.z[row], piece)
         text = f"at {problem.parameters[0]} = {end[-1]:.10g}, {floor.text}"
         arm.end = End("bound", text, {"value": floor.lowest})
         yield piece.cut(row, found)
@@ -41,9 +44,8 @@ def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Arr
 
 def _stays(mark: Row, row: int, floor: Floor, piece: Piece) -> bool:
     """A labelled point before the fall, or on this side of the floor in the step that falls."""
-    height = float(mark.point.z[floor.index]) - floor.lowest
-    near = SMALL * float(piece.scale[floor.index])
-    return mark.before <= row + 1 and height > (near if floor.singular else -near)
+    height = float(floor.heights(mark.point.z[None], piece.scale)[0])
+    return mark.before <= row + 1 and height > (SMALL if floor.singular else -SMALL)
 
 
 def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[int, Floor] | None:
@@ -53,8 +55,36 @@ def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[i
     rows = np.vstack([before[None], piece.z]) if len(piece.z) else before[None]
     falls = []
     for floor in floors:
-        above = rows[:, floor.index] > floor.lowest + SMALL * float(piece.scale[floor.index])
-        fallen = np.flatnonzero(above[:-1] & ~above[1:])
+        above = floor.heights(rows, piece.scale) > SMALL
+        fallen = np.flatnonzero(above[:-1] & (~above[1:] | _leads_through(floor, rows, piece.scale)))
         if fallen.size:
             falls.append((int(fallen[0]), floor))
     return min(falls, key=lambda fall: fall[0]) if falls else None
+
+
+def _leads_through(floor: Floor, rows: Array, scale: Array) -> NDArray[np.bool_]:
+    """True, (K - 1,), where all unknowns of the floor vanish together between rows (K, N) and the next ones."""
+    if not floor.together:
+        return np.zeros(len(rows) - 1, dtype=bool)
+    taken = list(floor.together)
+    share, nearest = _nearest(rows[:-1, taken], rows[1:, taken], scale[taken])
+    return np.asarray((share > 0.0) & (share < 1.0) & (nearest < STRAIGHT))
+
+
+def _nearest(a: Array, b: Array, scale: Array) -> tuple[Array, Array]:
+    """Of chords from a to b, (K, m): the share of each at which it is nearest to zero, and that distance over its
+    length, (K,) each."""
+    start, chord = a / scale, (b - a) / scale
+    length = np.linalg.norm(chord, axis=1)
+    share = -np.sum(start * chord, axis=1) / np.maximum(length * length, np.finfo(float).tiny)
+    distance = np.linalg.norm(start + share[:, None] * chord, axis=1)
+    return share, np.asarray(distance / np.maximum(length, np.finfo(float).tiny))
+
+
+def _where(floor: Floor, last: Array, fallen: Array, piece: Piece) -> Array:
+    """The fallen row, or, where it is beyond the floor, the point of the chord to it that is on the floor."""
+    if not floor.together:
+        return fallen
+    taken = list(floor.together)
+    share, _ = _nearest(last[None, taken], fallen[None, taken], piece.scale[taken])
+    return np.asarray(last + min(max(float(share[0]), 0.0), 1.0) * (fallen - last))

@@ -71,7 +71,7 @@ def rest_state(problem: Any, states: Sequence[State], value: float) -> tuple[See
 def _beside(problem: EquilibriumProblem, moving: Vector) -> list[Array]:
     """Directions, angles anywhere; amplitudes with a lowest value of 0 are positive."""
     generator = np.random.default_rng(5)
-    lowest = {floor.index for floor in problem.floors}
+    lowest = {floor.index for floor in problem.floors if not floor.together}
     found = []
     for _ in range(DIRECTIONS):
         u = generator.normal(size=problem.n)

@@ -122,7 +122,7 @@ def _orbits_on(branch: Branch, value: float, width: float, known: Sequence[tuple
 
 def _is_meant(problem: EquilibriumProblem, u: Array) -> bool:
     """False below a state's lowest value: an amplitude r < 0 is the amplitude -r half a turn on, no second state."""
-    return all(u[floor.index] >= floor.lowest for floor in problem.floors)
+    return all(u[floor.index] >= floor.lowest for floor in problem.floors if not floor.together)
 
 
 def images_of(problem: EquilibriumProblem, z: Array, sizes: Array) -> list[Array]:

@@ -78,7 +78,8 @@ class EquilibriumProblem(AlgebraicEquations):
 
     @cached_property
     def floors(self) -> tuple[Floor, ...]:
-        """States with a declared minimum (amplitudes): the branch ends where one falls to it."""
+        """Where branches end: a state falls to its declared minimum (amplitudes), or all of them to zero together, where
+        the equations have no derivative."""
         model = getattr(self.system, "model", None)
         if not isinstance(model, Model):
             return ()
@@ -93,7 +94,18 @@ class EquilibriumProblem(AlgebraicEquations):
                 singular = not all(np.all(np.isfinite(self.system.value(v, self.base))) for v in (u, alone))
                 text = f"{s.name} fell to its lowest value. {s.beyond or ''}".rstrip()
                 found.append(Floor(k, lowest, text, singular))
+        if self.n > 1 and not found and self._is_singular_at_rest:
+            names = ", ".join(s.name for s in model.states)
+            beyond = " ".join(s.beyond for s in model.states if s.beyond)
+            text = f"{names} fell to zero together, where the equations are not smooth. {beyond}".rstrip()
+            found.append(Floor(0, 0.0, text, True, tuple(range(self.n))))
         return tuple(found)
+
+    @property
+    def _is_singular_at_rest(self) -> bool:
+        """True where f or its derivative has no value at u = 0, as of formulas with u/|u| or x y/(x + y)."""
+        f, matrix = self.system.jacobian(np.zeros(self.n), self.base)
+        return not (np.isfinite(f).all() and np.isfinite(matrix).all())
 
     @property
     def motion(self) -> str | None:
@@ -157,6 +169,7 @@ class EquilibriumProblem(AlgebraicEquations):
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """The end at a surface of discontinuity, or a singularity of algebraic equations, that lies ahead."""
+
         def determinant(z: Array) -> float:
             return float(self.system.index_determinants(z[None, : self.n], self.rows_of_parameters(z[None]))[0])  # type: ignore[attr-defined]
 
@@ -235,7 +248,7 @@ class EquilibriumProblem(AlgebraicEquations):
     def _described(self, found: Outcome, frame: Frame) -> Outcome:
         if not isinstance(found, Verified):
             return found
-        if any(f.singular and found.z[f.index] - f.lowest <= ON_FLOOR * frame.scale[f.index] for f in self.floors):
+        if any(f.singular and f.heights(found.z[None], frame.scale)[0] <= ON_FLOOR for f in self.floors):
             return NOTHING  # it is none of this branch, which ends there
         return with_normal_form(self, found, frame.scale)
 

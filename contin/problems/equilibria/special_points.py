@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.linalg.balancing import balancing_scales
 from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary
 from contin.problems.equilibria import defining
-from contin.problems.equilibria.balancing import balancing_scales
 from contin.problems.equilibria.branching.multiple_kernel import reduced_branches
 from contin.problems.equilibria.branching.rotated import turning_kernel
 from contin.problems.equilibria.defining import Solved

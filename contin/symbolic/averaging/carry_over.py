@@ -51,7 +51,7 @@ def averaged_states(form: AveragedForm, oscillators: WeakOscillators) -> tuple[S
             words,
             period if name in form.angles else None,
             ZERO if name in form.amplitudes else None,
-            form.beyond if name in form.amplitudes else None,
+            form.beyond if name in (form.amplitudes or form.states[:1]) else None,
         )
         for name, words in zip(form.states, form.descriptions, strict=True)
     )

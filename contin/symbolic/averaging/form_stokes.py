@@ -39,8 +39,9 @@ def stokes_form(system: SlowSystem) -> AveragedForm:
     valid = "smooth except at total rest S1 = S2 = S3 = 0; there use the form cartesian"
     observables = _observables(s1, s2, s3, total)
     return AveragedForm(
-        "stokes", STATES, words, tuple(_flat(e) for e in equations), observables, (), valid, definitions=definitions
-    )
+        "stokes", STATES, words, tuple(_flat(e) for e in equations), observables, (), valid, definitions=definitions,
+        beyond="The form stokes is not smooth at total rest; the form cartesian goes through it.",
+    )  # fmt: skip
 
 
 def _observables(s1: Expression, s2: Expression, s3: Expression, total: Expression) -> dict[str, Expression]:

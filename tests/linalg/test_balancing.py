@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import matrix_balance
 
-from contin.problems.equilibria.balancing import balancing_scales
+from contin.linalg.balancing import balancing_scales
 
 
 def lapack(a):
