@@ -1,8 +1,10 @@
 """Demos of AUTO-07p as run files: what they find beside closed forms and published numbers."""
 
 import json
+from functools import cache
 from math import acosh, cos, e, exp, expm1, pi, sin, sqrt
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -131,41 +133,52 @@ WANTED = {
 }  # fmt: skip
 
 
+WITH_ORBITS = ("ffn", "lor", "rev")
+
+
+@cache
+def result_of(name):
+    """The results of a demo's run file, which several tests look at."""
+    with TemporaryDirectory() as folder:
+        return result_of_file(FOLDER / f"{name}.yaml", folder, *(["--orbits"] if name in WITH_ORBITS else []))
+
+
+def result_of_file(path, folder, *options):
+    out = Path(folder) / "out.json"
+    call("run", str(path), "--quiet", *options, "--json", str(out))
+    return json.loads(out.read_text())
+
+
+def branches_of(name):
+    """The branches of a demo's run file, by name."""
+    return {branch["name"]: branch for branch in result_of(name)["branches"]}
+
+
 @pytest.mark.parametrize("name", sorted(WANTED))
-def test_a_demo_of_auto(name, tmp_path):
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+def test_a_demo_of_auto(name):
+    branches = branches_of(name)
     for place, (parameter, expected) in WANTED[name].items():
         branch, type_ = place.split(".")
         found = sorted(p["values"][parameter] for p in branches[branch]["points"] if p["type"] == type_)
         assert found == pytest.approx(sorted(expected), rel=3e-7, abs=1e-7), place
 
 
-def test_the_fold_of_a_complex_equation_has_two_null_vectors_and_no_coefficients(tmp_path):
+def test_the_fold_of_a_complex_equation_has_two_null_vectors_and_no_coefficients():
     """F(u + iv) is analytic: its derivative vanishes on q and on i q at once."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "ezp.yaml"), "--quiet", "--json", str(out))
-    (point,) = json.loads(out.read_text())["branches"][0]["points"]
+    (point,) = result_of("ezp")["branches"][0]["points"]
     assert point["normal_form"] == {"kind": "degenerate", "kernel": 2}
 
 
-def run(name, folder):
-    out = folder / "out.json"
-    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))
-    return {branch["name"]: branch["columns"] for branch in json.loads(out.read_text())["branches"]}
-
-
-def test_an_eigenvalue_under_a_condition(tmp_path):
+def test_an_eigenvalue_under_a_condition():
     """u = a sin(k (1 - t)), k = pi p1, with u(0) = p2 and integral(u^2) = a^2 (1/2 - sin(2 k)/(4 k)) = 1/2."""
-    columns = run("lin", tmp_path)["eigenvalue"]
+    columns = branches_of("lin")["eigenvalue"]["columns"]
     for p1, p2 in zip(columns["p1"], columns["p2"], strict=True):
         k = pi * p1
         assert p2 == pytest.approx(abs(sin(k)) / sqrt(1 - sin(2 * k) / (2 * k)), abs=1e-6)
 
 
-def test_a_problem_that_depends_on_the_place_ends_where_its_trajectory_does(tmp_path):
-    columns = run("non", tmp_path)["line"]
+def test_a_problem_that_depends_on_the_place_ends_where_its_trajectory_does():
+    columns = branches_of("non")["line"]["columns"]
     for row in (len(columns["p1"]) // 2, -1):
         p1 = columns["p1"][row]
         start = [0.0, columns["u2.start"][row]]
@@ -173,7 +186,7 @@ def test_a_problem_that_depends_on_the_place_ends_where_its_trajectory_does(tmp_
         assert end.y[:, -1] == pytest.approx([0.0, columns["u2.end"][row]], abs=1e-7)
 
 
-def test_rotations_of_pendula_double_where_their_difference_turns_by_half(tmp_path):
+def test_rotations_of_pendula_double_where_their_difference_turns_by_half():
     """pen: the rotation by its return to a = 2 pi, the difference's multipliers along it, by simulation."""
 
     def rates(_, y, drive):
@@ -192,37 +205,29 @@ def test_rotations_of_pendula_double_where_their_difference_turns_by_half(tmp_pa
         _, _, d1, e1, d2, e2 = turn(drive, speed)
         return (d1 + 1) * (e2 + 1) - d2 * e1
 
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "pen.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    branches = branches_of("pen")
     (point,) = [p for p in branches["turns"]["points"] if p["type"] == "PD"]
     assert point["values"]["I"] == pytest.approx(brentq(off, 0.17, 0.19, xtol=1e-10), abs=1e-8)
 
 
-def test_mirror_images_end_at_one_homoclinic_orbit_where_their_folds_accumulate(tmp_path):
+def test_mirror_images_end_at_one_homoclinic_orbit_where_their_folds_accumulate():
     """tor: p - p* falls by exp(-pi k/q) from fold to fold; Aitken's rule, twice, on the last six of them."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "tor.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    branches = branches_of("tor")
     for end in branches["other"]["ends"]:
         # folds at nu = -0.7604069193, -0.7188420834, -0.7316358380, -0.7281537738, -0.7291632519, -0.7288774659, ...
         assert abs(end["at"]["nu"] + 0.728941008) < end["error"] < 3e-7
 
 
 @pytest.mark.long
-def test_a_heteroclinic_orbit_of_five_equations_is_where_the_manual_has_it(tmp_path):
+def test_a_heteroclinic_orbit_of_five_equations_is_where_the_manual_has_it():
     """she: AUTO prints mu = 0.136505 at sigma = 0.452847, and 0.387300 at 0.859097."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "she.yaml"), "--quiet", "--json", str(out))
-    (branch,) = json.loads(out.read_text())["branches"]
+    (branch,) = result_of("she")["branches"]
     assert [p["values"]["mu"] for p in branch["points"]] == pytest.approx([0.136505, 0.387300], abs=6e-7)
 
 
-def test_homoclinic_orbits_to_saddle_nodes_are_where_the_manual_has_them(tmp_path):
+def test_homoclinic_orbits_to_saddle_nodes_are_where_the_manual_has_them():
     """mtn: AUTO prints (K, Z) = (7.09217, 0.158708), (11.0181, 0.280980); non-central (5.18032, 0.0638551)."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "mtn.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    branches = branches_of("mtn")
     at = {p["type"]: p["values"] for name in ("cycles", "loop") for p in branches[name]["points"]}
     assert [at[type_]["Z"] for type_ in ("HOM", "UZ")] == pytest.approx([0.158708, 0.280980], abs=6e-7)
     assert at["NCH"]["K"] == pytest.approx(5.18032, abs=2e-5)
@@ -230,24 +235,15 @@ def test_homoclinic_orbits_to_saddle_nodes_are_where_the_manual_has_them(tmp_pat
 
 
 @pytest.mark.long
-def test_inclination_flips_are_where_the_manual_has_them(tmp_path):
+def test_inclination_flips_are_where_the_manual_has_them():
     """kpr: AUTO prints (lambda, k) = (-1.80166, -0.200266) and (-1.56876, -0.439547), from lambda = -1.851185."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "kpr.yaml"), "--quiet", "--json", str(out))
-    result = json.loads(out.read_text())
+    result = result_of("kpr")
     assert result["notes"] == []
     branches = {branch["name"]: branch for branch in result["branches"]}
     (start,) = branches["cycles"]["points"]
     assert start["values"]["lambda"] == pytest.approx(-1.851185, abs=6e-7)
     flips = sorted(p["values"]["k"] for p in branches["loop"]["points"] if p["type"] == "IFS")
     assert flips == pytest.approx([-0.439547, -0.200266], abs=1e-6)
-
-
-def branches_of(name, tmp_path):
-    """The branches of a demo's run file, by name."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))
-    return {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
 
 
 UNSTABLE = {  # rates, radius of the circle and of the sphere
@@ -257,10 +253,10 @@ UNSTABLE = {  # rates, radius of the circle and of the sphere
 
 
 @pytest.mark.parametrize("name", UNSTABLE)
-def test_orbits_of_an_unstable_manifold_reach_the_sphere_when_they_do_by_integration(name, tmp_path):
+def test_orbits_of_an_unstable_manifold_reach_the_sphere_when_they_do_by_integration(name):
     """um2, um3: `free: [T]` takes the place of the radius, which was solved for in the runs before."""
     rates, small, large = UNSTABLE[name]
-    branches = branches_of(name, tmp_path)
+    branches = branches_of(name)
     assert branches["slower"]["free"] == branches["round"]["free"] == ["T"]
     columns, angles = branches["round"]["columns"], [0.3, 1.0, 2.0, 2.9]
     assert {"T", "theta"} <= set(columns)
@@ -272,21 +268,26 @@ def test_orbits_of_an_unstable_manifold_reach_the_sphere_when_they_do_by_integra
         assert np.linalg.norm(path.y[:, -1]) == pytest.approx(large, abs=1e-6)
 
 
-def test_the_stable_manifold_of_lorenz_equations_leads_to_the_origin(tmp_path):
+def test_the_stable_manifold_of_lorenz_equations_leads_to_the_origin():
     """man: points of its orbits, integrated forwards, come near the origin."""
-    columns = branches_of("man", tmp_path)["ws"]["columns"]
-    points = np.array([columns[name] for name in ("x", "y", "z")]).T
-    lorenz = lambda t, u: [10 * (u[1] - u[0]), 28 * u[0] - u[1] - u[0] * u[2], u[0] * u[1] - 8 / 3 * u[2]]  # noqa: E731
-    for point in points[:: len(points) // 12]:
-        path = solve_ivp(lorenz, (0, 4), point, "DOP853", rtol=1e-11, atol=1e-12, max_step=0.01)
-        # what is 1e-8 off the surface grows by exp(11.8 t), and is carried past the origin at a hundredth of its way
-        assert np.linalg.norm(path.y, axis=0).min() < 1e-2 * np.linalg.norm(point)
+    columns = branches_of("man")["ws"]["columns"]
+    points = np.array([columns[name] for name in ("x", "y", "z")])
+    points = points[:, :: points.shape[1] // 12]
+
+    def lorenz(_, flat):  # all points at once
+        x, y, z = flat.reshape(points.shape)
+        return np.concatenate([10 * (y - x), 28 * x - y - x * z, x * y - 8 / 3 * z])
+
+    path = solve_ivp(lorenz, (0, 4), points.ravel(), "DOP853", rtol=1e-11, atol=1e-12, max_step=0.01)
+    distances = np.linalg.norm(path.y.reshape(*points.shape, -1), axis=0)
+    # what is 1e-8 off the surface grows by exp(11.8 t), and is carried past the origin at a hundredth of its way
+    assert np.all(distances.min(axis=1) < 1e-2 * distances[:, 0])
 
 
 @pytest.mark.long
-def test_solitary_waves_have_belyakov_points_where_a_discriminant_vanishes(tmp_path):
+def test_solitary_waves_have_belyakov_points_where_a_discriminant_vanishes():
     """fhh: l^3 - c l^2 - a l - eps/c at rest; a = -eps/c^2 at the Hopf point."""
-    branches = branches_of("fhh", tmp_path)
+    branches = branches_of("fhh")
     (hopf,) = [point for point in branches["rest"]["points"] if point["type"] == "HB"]
     assert hopf["values"]["a"] == pytest.approx(-0.0025 / 0.21**2, rel=1e-9)
     found = [point["values"] for point in branches["waves"]["points"] if point["type"] == "DRS"]
@@ -329,49 +330,66 @@ def real_part_of_plant(v):
     return float(values[np.argmax(np.abs(values.imag))].real)
 
 
-def test_a_bursting_neuron_has_hopf_points_and_cycles_that_end_at_a_homoclinic_orbit(tmp_path):
-    """pla: the family's last orbits are where its limit is said to be: with the third rate of the saddle, 0.0059,
-    0.012 and 0.00015 among them, two orbits of period 985 agreed on 27.6329, and the family goes on."""
-    branches = branches_of("pla", tmp_path)
-    hopf = [point["values"]["gI"] for point in branches["rest"]["points"] if point["type"] == "HB"]
-    assert hopf == pytest.approx([plant(brentq(real_part_of_plant, *b))[0] for b in ((-56, -54), (-11, -10))], rel=1e-6)
-    (limit,) = [point for point in branches["second"]["points"] if point["type"] == "HOM"]
-    columns = branches["second"]["columns"]
-    assert columns["period"][-1] > 2e4
-    assert limit["values"]["gI"] == pytest.approx(columns["gI"][-1], abs=2e-5)
+HOPF_POINTS_OF_PLANT = [(-56, -54), (-11, -10)]
+
+
+def slow_cycles_of_plant(folder):
+    """The branch at rest for gI > 0, with one of its two Hopf points, and the family from there."""
     text = (FOLDER / "pla.yaml").read_text().replace("range: [-120, 60]", "range: [0, 60]")
-    narrow, out = tmp_path / "narrow.yaml", tmp_path / "narrow.json"
+    narrow = folder / "narrow.yaml"
     narrow.write_text(text[: text.index("  - {name: first")] + "  - {name: second, from: rest.HB1, parameter: gI}\n")
-    call("run", str(narrow), "--quiet", "--json", str(out))
-    (other,) = [point for point in json.loads(out.read_text())["branches"][1]["points"] if point["type"] == "HOM"]
+    return {branch["name"]: branch for branch in result_of_file(narrow, folder)["branches"]}
+
+
+def homoclinic_limit(family):
+    """The last orbits of the family are where its limit is said to be."""
+    (limit,) = [point for point in family["points"] if point["type"] == "HOM"]
+    assert family["columns"]["period"][-1] > 2e4
+    assert limit["values"]["gI"] == pytest.approx(family["columns"]["gI"][-1], abs=2e-5)
+    return limit
+
+
+def test_cycles_of_a_bursting_neuron_end_at_a_homoclinic_orbit(tmp_path):
+    """pla: with the third rate of the saddle, 0.0059, 0.012 and 0.00015 among them, two orbits of period 985 agreed on
+    27.6329, and the family goes on."""
+    branches = slow_cycles_of_plant(tmp_path)
+    (hopf,) = [point for point in branches["rest"]["points"] if point["type"] == "HB"]
+    places = [plant(brentq(real_part_of_plant, *between))[0] for between in HOPF_POINTS_OF_PLANT]
+    assert hopf["values"]["gI"] == pytest.approx(max(places), rel=1e-6)
+    homoclinic_limit(branches["second"])
+
+
+@pytest.mark.long
+def test_a_bursting_neuron_has_two_hopf_points_and_one_limit_by_two_ways(tmp_path):
+    branches = branches_of("pla")
+    hopf = [point["values"]["gI"] for point in branches["rest"]["points"] if point["type"] == "HB"]
+    places = [plant(brentq(real_part_of_plant, *between))[0] for between in HOPF_POINTS_OF_PLANT]
+    assert hopf == pytest.approx(places, rel=1e-6)
+    limit, other = homoclinic_limit(branches["second"]), homoclinic_limit(slow_cycles_of_plant(tmp_path)["second"])
     assert other["values"]["gI"] == pytest.approx(limit["values"]["gI"], abs=limit["error"] + other["error"])
 
 
-def test_cycles_at_one_of_two_equilibria_begin_in_closed_form(tmp_path):
+def test_cycles_at_one_of_two_equilibria_begin_in_closed_form():
     """snh: nu1 = -sin(phi) at phi = 2 pi - acos(0.73); (2 cos(phi) + nu2)^2 has a double zero there."""
-    branches = branches_of("snh", tmp_path)
+    branches = branches_of("snh")
     (hopf,) = branches["rest"]["points"]
     assert hopf["values"]["nu1"] == pytest.approx(sqrt(1 - 0.73**2), rel=1e-9)
     assert [point["type"] for point in branches["cycles"]["points"]] == ["LPC", "NS"]
 
 
 @pytest.mark.long
-def test_an_orbit_flip_in_an_invariant_plane(tmp_path):
+def test_an_orbit_flip_in_an_invariant_plane():
     """san: at mu = m = 0 the plane z = 0 is invariant, and its orbit x^2 (1 - x) = y^2 has no leading part."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "san.yaml"), "--quiet", "--json", str(out))
-    (branch,) = json.loads(out.read_text())["branches"]
+    (branch,) = result_of("san")["branches"]
     (point,) = branch["points"]
     assert point["type"] == "OFS"
     assert (point["values"]["mu"], point["values"]["m"]) == pytest.approx((0, 0), abs=1e-8)
 
 
 @pytest.mark.long
-def test_the_optimum_of_three_parameters_is_stationary_by_shooting(tmp_path):
+def test_the_optimum_of_three_parameters_is_stationary_by_shooting():
     """obv: the manual names three extrema in one parameter; in three, the cost's gradient vanishes."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "obv.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    branches = branches_of("obv")
     assert sum(point["type"] == "EX" for point in branches["one"]["points"]) == 3
     (best,) = [point["values"] for point in branches["three"]["points"] if point["type"] == "EX"]
 
@@ -387,11 +405,9 @@ def test_the_optimum_of_three_parameters_is_stationary_by_shooting(tmp_path):
         assert abs(cost(*(place + step)) - cost(*(place - step))) / 2e-3 < 1e-6
 
 
-def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so(tmp_path):
+def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so():
     """lor: the orbit closes, and has the multiplier -1, by Dormand and Prince's method."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "lor.yaml"), "--quiet", "--orbits", "--json", str(out))
-    (branch,) = json.loads(out.read_text())["branches"]
+    (branch,) = result_of("lor")["branches"]
     points = [p for p in branch["points"] if p["type"] == "PD"]
     assert len(points) == 2  # of both images under (x, y) -> -(x, y)
     for point in points:
@@ -409,7 +425,7 @@ def test_lorenz_cycles_double_where_their_monodromy_matrix_says_so(tmp_path):
         assert np.abs(np.linalg.eigvals(end[3:].reshape(3, 3)) + 1).min() < 1e-4
 
 
-def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end(tmp_path):
+def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end():
     """stw at lam = 1/2: the unstable manifold of (1, 0) passes the saddle (0, c) on one side or the other."""
 
     def beyond(c):
@@ -424,9 +440,7 @@ def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end(tmp_path
         near.terminal = True
         return solve_ivp(rates, (0, 200), start, events=[near], rtol=1e-11, atol=1e-13).y[1, -1] - c
 
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "stw.yaml"), "--quiet", "--json", str(out))
-    (wave,) = json.loads(out.read_text())["branches"]
+    (wave,) = result_of("stw")["branches"]
     (point,) = [p for p in wave["points"] if p["type"] == "UZ"]
     assert point["values"]["c"] == pytest.approx(brentq(beyond, -0.6, -0.58, xtol=1e-9), abs=1e-6)
 
@@ -437,11 +451,9 @@ def test_connections_between_two_saddles_are_called_heteroclinic(capsys):
 
 
 @pytest.mark.long
-def test_homoclinic_orbits_of_a_circuit_are_where_the_manual_has_them(tmp_path):
+def test_homoclinic_orbits_of_a_circuit_are_where_the_manual_has_them():
     """cir: what AUTO prints (on 35 intervals), and what each label says of the eigenvalues at rest."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "cir.yaml"), "--quiet", "--json", str(out))
-    (branch,) = json.loads(out.read_text())["branches"]
+    (branch,) = result_of("cir")["branches"]
     at = {p["type"]: (p["values"]["nu"], p["values"]["beta"]) for p in branch["points"]}
     printed = {"DRS": (-0.7590583, 0.7428734), "NSF": (-0.7204001, 0.5912315), "NDS": (-0.7256925, 0.4535645)}
     for type_, place in printed.items():
@@ -458,11 +470,9 @@ def test_homoclinic_orbits_of_a_circuit_are_where_the_manual_has_them(tmp_path):
     assert characteristic(*at["NDS"])[1] == pytest.approx(0, abs=1e-7)  # the sum of all three
 
 
-def test_antisymmetric_orbits_are_those_of_another_solver(tmp_path):
+def test_antisymmetric_orbits_are_those_of_another_solver():
     """rev at P = 0, by scipy's collocation: from the unstable eigenspace of u'''' = u^3 - u to u = u'' = 0."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "rev.yaml"), "--quiet", "--orbits", "--json", str(out))
-    odd = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}["odd"]
+    odd = {branch["name"]: branch for branch in result_of("rev")["branches"]}["odd"]
     point = next(p for p in odd["points"] if abs(p["values"]["P"]) < 1e-9)
     orbit = {name: np.array(values) for name, values in point["orbit"].items()}
     matrix = np.array([[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0.0]])
@@ -477,11 +487,9 @@ def test_antisymmetric_orbits_are_those_of_another_solver(tmp_path):
     assert abs(found.y[1, -1]) == pytest.approx(abs(point["values"]["v.min"]), rel=1e-6)
 
 
-def test_a_driven_cell_oscillates_where_the_divergence_vanishes_on_average(tmp_path):
+def test_a_driven_cell_oscillates_where_the_divergence_vanishes_on_average():
     """ffn: at a Neimark-Sacker point of two equations det M = 1; the response by Dormand and Prince's method."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "ffn.yaml"), "--quiet", "--orbits", "--json", str(out))
-    points = [p for branch in json.loads(out.read_text())["branches"] for p in branch["points"] if p["type"] == "NS"]
+    points = [p for branch in result_of("ffn")["branches"] for p in branch["points"] if p["type"] == "NS"]
     assert len(points) == 2  # as the amplitude grows, and as a does
     for point in points:
         amp, a = point["values"]["amp"], point["values"]["a"]
@@ -496,19 +504,15 @@ def test_a_driven_cell_oscillates_where_the_divergence_vanishes_on_average(tmp_p
         assert end == pytest.approx(start, abs=1e-6)
 
 
-def test_a_simulation_settles_where_prey_and_predators_rest(tmp_path):
+def test_a_simulation_settles_where_prey_and_predators_rest():
     """ivp: (1/3, 2) where nothing is harvested."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "ivp.yaml"), "--quiet", "--json", str(out))
-    (simulation,) = json.loads(out.read_text())["simulations"]
+    (simulation,) = result_of("ivp")["simulations"]
     assert [simulation["columns"][name][-1] for name in "uv"] == pytest.approx([1 / 3, 2], abs=1e-5)
 
 
-def test_a_cycle_of_the_enzyme_has_the_period_of_a_simulation(tmp_path):
+def test_a_cycle_of_the_enzyme_has_the_period_of_a_simulation():
     """ph1 at rho = 4, where it attracts."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / "ph1.yaml"), "--quiet", "--json", str(out))
-    branches = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+    branches = branches_of("ph1")
     (point,) = [p for p in branches["cycles"]["points"] if p["type"] == "UZ"]
 
     def rates(_, y):
@@ -522,10 +526,8 @@ def test_a_cycle_of_the_enzyme_has_the_period_of_a_simulation(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["p2c", "pcl"])
-def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name, tmp_path):
+def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name):
     """AUTO's manual has rho = 24.0579 at sigma = 10 and beta = 8/3 (demo pcl)."""
-    out = tmp_path / "out.json"
-    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))
-    heart = {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}["heart"]
+    heart = {branch["name"]: branch for branch in result_of(name)["branches"]}["heart"]
     (point,) = [p for p in heart["points"] if p["type"] == "UZ"]
     assert point["values"]["rho"] == pytest.approx(24.0579, abs=5e-5)
