@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.bvp import special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
-from contin.bvp.functionals import columns_of
+from contin.bvp.functionals import columns_of, own_column
 from contin.bvp.kernel_at_branch_point import undetermined
 from contin.bvp.sizes import couplings, filled, noticed
 from contin.continuation import march as python_march
@@ -113,6 +113,9 @@ class BoundaryProblem(BoundaryEquations):
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special_points.verify_compound(self, a, b, frame)
+
+    def column(self, name: str, z: Array) -> Array:
+        return own_column(self, name, z)
 
     def columns(self, z: Array) -> dict[str, Array]:
         return columns_of(self, z)

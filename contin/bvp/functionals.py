@@ -33,6 +33,17 @@ def columns_of(problem: BoundaryEquations, z: Array) -> dict[str, Array]:
     return columns
 
 
+def own_column(problem: BoundaryEquations, name: str, z: Array) -> Array:
+    """One column: a parameter is read from the unknowns, others come with all."""
+    two = problem.two
+    if name == problem.parameters[0]:
+        return z[:, -1].copy()
+    if name not in two.free:
+        return problem.columns(z)[name]
+    k = two.n_states + two.free.index(name)  # a constant function on the interval
+    return np.asarray(z[:, k].copy())
+
+
 def _fill(problem: BoundaryEquations, z: Array, out: dict[str, tuple[Array, NDArray[np.intp]]]) -> None:
     two, m = problem.two, problem.points
     first = problem.profile(z[0])

@@ -424,6 +424,10 @@ class Problem(ABC):
         """The orbit that a point of a curve in two parameters stands for (its `profile`); None of what has none."""
         return None
 
+    def column(self, name: str, z: Array) -> Array:
+        """One of the columns; without the others where these cost more."""
+        return self.columns(z)[name]
+
     @abstractmethod
     def columns(self, z: Array) -> dict[str, Array]:
         """Named columns of rows of unknowns: varying parameter(s), states, observables."""

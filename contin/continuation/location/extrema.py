@@ -38,11 +38,12 @@ class Extremum:
         if self.column == problem.parameters[0]:
             return np.asarray(tangents[:, -1] * scale[-1])
         step = STEP * scale * tangents
-        far, near = (self.values(problem, z + k * step) - self.values(problem, z - k * step) for k in (2.0, 1.0))
-        return np.asarray((8.0 * near - far) / (12.0 * STEP))
+        around = np.concatenate([z + side / STEP * step for side in SIDES])
+        before2, before1, after1, after2 = self.values(problem, around).reshape(len(SIDES), -1)
+        return np.asarray((8.0 * (after1 - before1) - (after2 - before2)) / (12.0 * STEP))
 
     def values(self, problem: Problem, z: Array) -> Array:
-        return np.asarray(problem.columns(z)[self.column], dtype=float)
+        return np.asarray(problem.column(self.column, z), dtype=float)
 
     def slope(self, stretch: Stretch, sample: Sample) -> float:
         """dc/ds at one sample."""

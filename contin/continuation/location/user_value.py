@@ -41,7 +41,7 @@ class Target:
     def values(self, problem: Problem, z: Array) -> Array:
         if self.column == problem.parameters[0]:
             return np.asarray(z[:, -1])
-        return np.asarray(problem.columns(z)[self.column], dtype=float)
+        return np.asarray(problem.column(self.column, z), dtype=float)
 
     def locate(self, stretch: Stretch, z_a: Array, z_b: Array) -> Found | None:
         """The point between two points of the stretch where the column has the value."""
