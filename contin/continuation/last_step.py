@@ -19,11 +19,11 @@ from contin.continuation.location.halting import Halt, halt, halves, mirror
 from contin.continuation.location.isolate import isolate, next_to_event
 from contin.continuation.location.sameness import offset, same_point
 from contin.continuation.location.targets import Wanted, hits
-from contin.continuation.march import is_dip
 from contin.continuation.position import position
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
 from contin.continuation.segment import Piece, Row
 from contin.continuation.settings import Settings
+from contin.kernels.steering import is_dip
 from contin.linalg.vectors import norm
 
 NEXT_TO: Final = 1e-6  # scaled: how near to a labelled point its test is nothing but rounding

@@ -1,7 +1,8 @@
 """The march in plain Python, for problems without a kernel: user functions, sparse and matrix-free systems.
 
-The same steps, guards and reasons to stop as the compiled march (`contin.kernels.algebraic`); what costs time here
-is the problem's own linear algebra, which it offers as a `Linearisation` at a point.
+What is decided after a step (the next one's length, guards, dips, coming back to the start) is asked of the same code
+as in the compiled marches, `contin.kernels.steering`, with the numbers of `Decisions`; what costs time here is the
+problem's own linear algebra, which it offers as a `Linearisation` at a point.
 """
 
 from __future__ import annotations
@@ -13,23 +14,39 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array, Vector
+from contin.abi import Array
 from contin.continuation.problem import Chunk, Failure, Frame, Planar, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.kernels import steering
+from contin.kernels.steering import GUARD_FLOOR, RESCALE_AT, SHORTEST, STAGNATION, is_dip
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
 NEWTON_LIMIT = 7
-STAGNATION = 1e-6
 CLOSE = 1e-4  # a matrix serves for points this near
 FAR = 0.05  # a first correction beyond this is found with a new matrix
-DIP_FRACTION = 0.5
-GUARD = 0.6
-GUARD_FLOOR = 2e-3
 LANDED = 1e-9
-GROWTH = 2.0
-RESCALE_AT = 2.0
-CORNER_STEP = 1e-7
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """What a march decides with; defaults are those of equilibria.
+
+    wanted : length of the first correction that sets the next step, which is of the order `order` in the step.
+    iterations : above so many the step shrinks.  guarded, dips : first test that is compared with its prediction, and
+    that is looked at for dips.  signed : tests that change sign or vanish are not compared.
+    """
+
+    wanted: float = 0.02
+    order: float = 3.0
+    iterations: float = 3.0
+    guarded: int = 1
+    signed: bool = False
+    dips: int = 0
+
+
+EQUILIBRIA = Decisions()
+IN_TWO_PARAMETERS = Decisions(guarded=2, signed=True, dips=2)  # tests 0 and 1 are of the curve, not of its points
 
 
 class Linearisation(Protocol):
@@ -197,7 +214,7 @@ def probe(
 def march(
     problem: Marchable, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
     bounds: tuple[float, float], settings: Settings, loop: Sample | None, again: Again | None = None,
-    planar: Planar | None = None,
+    planar: Planar | None = None, decisions: Decisions = EQUILIBRIA,
 ) -> Chunk:  # fmt: skip
     """`Problem.march` in terms of linearisations; `again`: see `correct`; `planar` where a second parameter varies."""
     scale = frame.scale
@@ -232,7 +249,7 @@ def march(
     old, nearest = before, here
     while len(rows) <= limit:
         last = rows[-1]
-        taken = _step(problem, old, last, h_previous, h, scale, settings, reference, again, nearest)
+        taken = _step(problem, old, last, h_previous, h, scale, settings, reference, again, nearest, decisions)
         evaluations += taken.evaluations
         h = taken.length
         if isinstance(taken, _Refused):
@@ -241,14 +258,13 @@ def march(
         rows.append(sample)
         lengths.append(h)
         angle = target_angle if corner else float(elementary.acos(min(taken.cosine, 1.0)))
-        factor = min(GROWTH, target_angle / angle if angle > 0 else GROWTH)
-        if found.first_correction > 0:
-            factor = min(factor, elementary.pow(0.02 / found.first_correction, 1 / 3))
-        if found.iterations > 3:
-            factor = min(factor, 3.0 / found.iterations)
-        h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
-        happened = _what_happened(problem, old, last, sample, h_previous, h_used, bounds, planar, loop, scale, corner)
-        stop, dipped = happened
+        h_used, h = h, steering.next_step(
+            h, angle, target_angle, found.first_correction, decisions.wanted, decisions.order, float(found.iterations),
+            decisions.iterations, settings.min_step, settings.max_step,
+        )  # fmt: skip
+        stop, dipped = _what_happened(
+            problem, old, last, sample, h_previous, h_used, bounds, planar, loop, scale, corner, decisions.dips
+        )
         if stop is not None:
             return chunk(stop, h, dipped)
         old, h_previous, nearest = last, h_used, found.last
@@ -278,7 +294,7 @@ class _Taken:
 
 def _step(
     problem: Marchable, old: Sample | None, last: Sample, h_previous: float, h: float, scale: Array, settings: Settings,
-    reference: float, again: Again | None, nearest: Linearisation,
+    reference: float, again: Again | None, nearest: Linearisation, decisions: Decisions,
 ) -> _Taken | _Refused:  # fmt: skip
     """A step of length h, or of what is left of it where the corrector fails or the path turns too sharply."""
     cos_max = elementary.cos(np.radians(settings.max_angle))
@@ -302,17 +318,15 @@ def _step(
         sample = measure(problem, found, reference)
         cosine = dot(last.tangent, sample.tangent)
         if not cosine >= cos_max:
-            if h <= max(settings.min_step, CORNER_STEP):
+            if h <= max(settings.min_step, SHORTEST):
                 return _Taken(sample, found, cosine, True, h, evaluations)
-            h = max(0.5 * h, settings.min_step, CORNER_STEP)
+            h = max(0.5 * h, settings.min_step, SHORTEST)
             continue
-        if h > GUARD_FLOOR and old is not None and curved and blocks < 8:
-            expected = last.tests + (last.tests - old.tests) * h / h_previous
-            size = np.maximum(np.maximum(np.abs(old.tests), np.abs(last.tests)), np.abs(sample.tests))
-            if np.any(np.abs(sample.tests - expected)[1:] > GUARD * size[1:]):
-                blocks += 1
-                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                continue
+        guarding = old is not None and curved and h > GUARD_FLOOR and blocks < 8
+        if guarding and _strays(old, last, sample, decisions, h, h_previous):
+            blocks += 1
+            h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+            continue
         landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
         if landed and blocks < 8 and h > settings.min_step:
             blocks = 8
@@ -321,9 +335,18 @@ def _step(
         return _Taken(sample, found, cosine, False, h, evaluations)
 
 
+def _strays(
+    old: Sample | None, last: Sample, here: Sample, decisions: Decisions, h: float, h_previous: float
+) -> bool:
+    """Whether a test is far from what the two samples before predict."""
+    assert old is not None
+    guarded, signed = decisions.guarded, decisions.signed
+    return bool(steering.strays(here.tests, last.tests[None], 0, old.tests, guarded, signed, h, h_previous))
+
+
 def _what_happened(
     problem: Marchable, old: Sample | None, last: Sample, sample: Sample, h_previous: float, h: float,
-    bounds: tuple[float, float], planar: Planar | None, loop: Sample | None, scale: Array, corner: bool,
+    bounds: tuple[float, float], planar: Planar | None, loop: Sample | None, scale: Array, corner: bool, dips: int,
 ) -> tuple[Stop | None, int]:  # fmt: skip
     if corner:
         return Stop.CORNER, 0
@@ -336,39 +359,17 @@ def _what_happened(
     if sample.unstable != last.unstable or np.any(crossed):
         return Stop.EVENT, 0
     if old is not None and h_previous > 0:
-        for i in range(len(sample.tests)):
-            if is_dip(old.tests[i], last.tests[i], sample.tests[i], h_previous, h):
-                return Stop.DIP, i
+        dipped = steering.dipping(sample.tests, last.tests[None], 0, old.tests, dips, h_previous, h)
+        if dipped >= 0:
+            return Stop.DIP, dipped
     if loop is not None:
-        difference = sample.z - loop.z
-        earlier = last.z - loop.z
-        angles = np.flatnonzero(periods)
-        shift = periods[angles] * np.round(difference[angles] / periods[angles])
-        difference[angles] -= shift
-        earlier[angles] -= shift
-        ahead = dot(loop.tangent, difference / scale)
-        if dot(loop.tangent, earlier / scale) < 0 <= ahead and norm(difference / scale) <= 1.5 * h:
+        every = np.ones(len(scale))
+        if steering.passes_start(sample.z, last.z, loop.z, loop.tangent, every, periods, scale, h):
             return Stop.LOOP, 0
     n = len(scale) - 1
     if np.any((np.abs(sample.z[:-1]) > RESCALE_AT * scale[:-1] / np.sqrt(n)) & grows):
         return Stop.RESCALE, 0
     return None, 0
-
-
-def is_dip(before: Vector, here: Vector, after: Vector, h_before: float, h_after: float) -> bool:
-    """True where |test| has a local minimum at `here` that may hide two zeros.
-
-    So say the parabola through three points, or the line through two of them, on either side (a corner's minimum).
-    """
-    a, b, c = abs(before), abs(here), abs(after)
-    if before * here <= 0 or here * after <= 0 or not (b < a and b <= c):
-        return False
-    left, right = (b - a) / h_before, (c - b) / h_after
-    if b + left * h_after <= 0 or b - right * h_before <= 0:
-        return True
-    second = (right - left) / (h_before + h_after)
-    slope = (left * h_after + right * h_before) / (h_before + h_after)
-    return bool(second > 0 and b - elementary.square(slope) / (4 * second) < DIP_FRACTION * b)
 
 
 def until_dip(chunk: Chunk, before: Sample | None, length: float, first: int) -> Chunk:

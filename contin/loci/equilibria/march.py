@@ -44,7 +44,10 @@ def march(
     """`Problem.march`; the borders were renewed at origin."""
     bounds = problem.walls[-1][1:]
     march = LocusMarch(problem)
-    return python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop, planar=problem)
+    return python_march.march(
+        march, origin, before, length, frame, step, limit, bounds, settings, loop, planar=problem,
+        decisions=python_march.IN_TWO_PARAMETERS,
+    )  # fmt: skip
 
 
 def probe(
