@@ -53,17 +53,10 @@ class _ArmRecord:
 
 
 def trace(
-    seed: Seed,
-    bounds: tuple[float, float],
-    *,
-    name: str = "branch",
-    settings: Settings | None = None,
-    targets: Sequence[Wanted] = (),
-    watch: Watcher | None = None,
-    journal: Journal | None = None,
-    deadline: float | None = None,
-    most: int | None = None,
-) -> Branch:
+    seed: Seed, bounds: tuple[float, float], *, name: str = "branch", settings: Settings | None = None,
+    targets: Sequence[Wanted] = (), watch: Watcher | None = None, journal: Journal | None = None,
+    deadline: float | None = None, most: int | None = None,
+) -> Branch:  # fmt: skip
     """Follow the curve through `seed` in the senses of `seed.arms` and label what is found.
 
     most : accepted points of both arms together; `settings.steps` is of each.

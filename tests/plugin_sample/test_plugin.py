@@ -155,3 +155,11 @@ def test_a_form_and_an_escapement_of_the_package_are_used(environment):
     code = "import contin; contin.average(contin.load('metronomes/pair'), form='energy')"
     failed = environment.run(code, good=False, CONTIN_PLUGINS="0")
     assert "averaging has no form 'energy'" in failed.stderr
+
+
+def test_an_output_of_the_package_writes_its_files(environment):
+    code = "from contin.cli.main import main; main(['export', 'ring', 'ring.mac'])"
+    assert "values of p, d are not written" in environment.run(code).stderr
+    unknowns, equations = (environment.folder / "ring.mac").read_text().splitlines()
+    assert unknowns == "unknowns: [x0, x1, x2, x3]$"
+    assert equations.startswith("equations: [") and equations.count(" = 0") == 4

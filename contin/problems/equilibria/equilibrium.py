@@ -78,8 +78,10 @@ class EquilibriumProblem(AlgebraicEquations):
 
     @cached_property
     def floors(self) -> tuple[Floor, ...]:
-        """Where branches end: a state falls to its declared minimum (amplitudes), or all fall to zero together, where the
-        equations have no derivative."""
+        """Where branches end: a state falls to its declared minimum (amplitudes), or all fall to zero together.
+
+        The latter where the equations have no derivative there.
+        """
         model = getattr(self.system, "model", None)
         if not isinstance(model, Model):
             return ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Problem, Sample, Verified
+from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.algebraic_states import finite_multipliers
+from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.measured.measures import Measures, standard_names
 from contin.problems.orbits.mesh.layout import Profile
@@ -51,7 +52,7 @@ def _places(orbit: Profile) -> tuple[Array, Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyOfOrbits(Problem):
+class FamilyOfOrbits(InOneParameterProblem):
     """Orbits of one compiled model in one parameter, the last unknown.
 
     system : the compiled model, held because kernels get addresses in it.  base : all parameter values (m_p,); entry
@@ -59,8 +60,6 @@ class FamilyOfOrbits(Problem):
     """
 
     system: CompiledSystem
-    base: Array
-    active: int
     winding: Array
 
     kind = "orbit"
@@ -73,14 +72,6 @@ class FamilyOfOrbits(Problem):
         def measures(self) -> Measures | None:
             """Columns that are asked for beside those of every family."""
 
-    @cached_property
-    def n(self) -> int:
-        return int(self.system.n)
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        return (self.system.parameter_names[self.active],)
-
     @property
     def is_map(self) -> bool:
         """Stability is decided by multipliers."""
@@ -89,12 +80,6 @@ class FamilyOfOrbits(Problem):
     @property
     def autonomous(self) -> bool:
         return not self.system.is_forced
-
-    def with_active(self, name: str, z: Array) -> Self:
-        """The same orbits with another parameter free; the present one is frozen at its value in z."""
-        base = self.base.copy()
-        base[self.active] = z[-1]
-        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
 
     def freed(self, name: str, orbit: Array) -> tuple[Self, Array]:
         """The orbits with this parameter free (perhaps it is already), and the vector of one of them."""
@@ -108,18 +93,10 @@ class FamilyOfOrbits(Problem):
         p[self.active] = z[-1]
         return p
 
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
     @cached_property
     def state_periods(self) -> Array:
         """Period of each state (n,), 0 where it is not an angle."""
         return np.asarray(self.system.model.periods(self.constants()), dtype=float)
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        """The model's own range of a parameter, at the present parameter values."""
-        found = self.system.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
 
     def width(self, z: Array, bounds: tuple[float, float]) -> float:
         """Scale of the parameter: the width of its range; of an endless one, its size."""

@@ -13,7 +13,7 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.problems.orbits.ends.extrapolated import extrapolated, with_next
+from contin.problems.orbits.ends.extrapolated import Limit, extrapolated, with_next
 from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_near
 from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields
@@ -81,22 +81,33 @@ def diverged(
     if failed:
         limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
     for level, limit in enumerate(limits):
-        remaining = abs(limit.step)
-        if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
+        error = _error(limit, moved, growth, width, failed, first=level == 0)
+        if error is None:
             continue
-        error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
-        error = max(error, limit.doubt)
-        settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
-        near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
-        if failed and remaining < NOISE * width:
-            near, error = True, max(error, remaining)
-        if settled or (near and level == 0):
-            at = profile.parameter + limit.step
-            at_limit = [s.at(problem, at, sizes) for s in saddles]
-            doubt = (SWINGING if limit.spiral else 3.0) * error
-            doubt += (2.0 * remaining + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
-            return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
+        at = profile.parameter + limit.step
+        at_limit = [s.at(problem, at, sizes) for s in saddles]
+        doubt = (SWINGING if limit.spiral else 3.0) * error
+        doubt += (2.0 * abs(limit.step) + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
+        return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
     return None
+
+
+def _error(limit: Limit, moved: float, growth: float, width: float, failed: bool, first: bool) -> float | None:
+    """The error of a limit; None where it is not believed.
+
+    moved : by how much the parameter changed between the two orbits.  growth : of the extrema, by the period.  first :
+    of the slowest rates.
+    """
+    remaining = abs(limit.step)
+    if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
+        return None
+    error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
+    error = max(error, limit.doubt)
+    settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
+    near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
+    if failed and remaining < NOISE * width:
+        near, error = True, max(error, remaining)
+    return error if settled or (near and first) else None
 
 
 def _slope(problem: FamilyOfOrbits, sample: Sample, frame: Frame, failed: bool) -> float:
