@@ -15,6 +15,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
+from contin.normalforms.result import TRUST
 from contin.problems.equilibria import defining, special_points
 from contin.problems.equilibria.branching.degenerate import fan_at, is_degenerate, other_curves, scaled_own
 from contin.problems.equilibria.branching.multiple_kernel import reduced_branches
@@ -104,15 +105,23 @@ def simple_curvature(local: ScaledSystem, y: Array, d: Array) -> Array:
     slope = 3.0 * float(psi @ local.form(y, d, rest))
     if slope == 0.0:
         return np.asarray(particular)
-    known = 3.0 * float(psi @ local.form(y, d, particular)) + float(psi @ local.form(y, d, d, d))
+    parts = 3.0 * psi * local.form(y, d, particular), psi * local.form(y, d, d, d)
+    known = float(np.sum(parts))
+    if abs(known) <= TRUST * float(np.sum(np.abs(parts))):  # zero to rounding: higher orders bend the branch
+        known = 0.0
     return np.asarray(particular - known / slope * rest)
 
 
 def renewed_metric(local: ScaledSystem, z: Array, d: Array, k: Array) -> tuple[Array, Array, Array]:
-    """Metric of the new branch: states that begin to move get the size they reach over the parameter's range."""
+    """Metric of the new branch: states that begin to move get the size they reach over the parameter's range.
+
+    Where the parameter's slope and bend are zero to rounding, that is not known, and they keep the size they have.
+    """
     old = local.scale
     n = local.n
-    reach = _reach(float(d[-1]), float(k[-1]))
+    slope = float(d[-1]) if abs(d[-1]) > TRUST * float(np.linalg.norm(d)) else 0.0
+    bend = float(k[-1]) if abs(k[-1]) > TRUST * float(np.linalg.norm(k)) else 0.0
+    reach = _reach(slope, bend)
     scale = old.copy()
     if np.isfinite(reach):
         periods = local.problem.angle_periods
