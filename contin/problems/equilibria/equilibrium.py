@@ -78,15 +78,10 @@ class EquilibriumProblem(AlgebraicEquations):
 
     @cached_property
     def floors(self) -> tuple[Floor, ...]:
-<<<<<<< HEAD
         """Where branches end: a state falls to its declared minimum (amplitudes), or all fall to zero together.
 
         The latter where the equations have no derivative there.
         """
-=======
-        """Where branches end: a state falls to its declared minimum (amplitudes), or all fall to zero together, at a
-        point where the equations have no derivative."""
->>>>>>> fd943576 (A line)
         model = getattr(self.system, "model", None)
         if not isinstance(model, Model):
             return ()
