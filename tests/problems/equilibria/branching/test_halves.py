@@ -8,6 +8,7 @@ import pytest
 import contin
 from contin.problems.equilibria.branching.halves import fan
 from contin.problems.equilibria.branching.reduced import ReducedEquations
+from contin.problems.equilibria.scaled import ScaledSystem
 
 
 def fan_of(equations, corank, parameter="p"):
@@ -15,7 +16,7 @@ def fan_of(equations, corank, parameter="p"):
     states = dict.fromkeys(equations, 0.0)
     model = contin.Model("case", states=states, parameters={parameter: 0.0}, equations=equations)
     problem = contin.equilibrium(model, states, {parameter: 0.0}).problem(parameter)
-    return fan(ReducedEquations.at(problem.scaled(np.ones(len(states) + 1)), np.zeros(len(states) + 1), corank))
+    return fan(ReducedEquations.at(ScaledSystem(problem, np.ones(len(states) + 1)), np.zeros(len(states) + 1), corank))
 
 
 def powers(found):
