@@ -19,7 +19,7 @@ from contin.kernels.collocation_basis import basis
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear
 from contin.problems.orbits.mesh.layout import Profile
-from contin.problems.sparse.large_equations import LargeLinearisation
+from contin.problems.sparse.large_linearisation import LargeLinearisation
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

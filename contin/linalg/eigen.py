@@ -160,15 +160,15 @@ def followed(
         left = max(norm(r) / size for (_, parts), size in zip(waiting, sizes, strict=True) for r in parts)
         if gain * left < FORESEEN * DAVIDSON_ACCURACY:
             break
-        steps_of = iter(precondition(np.column_stack([r for _, parts in waiting for r in parts])).T)
+        made = precondition(np.column_stack([r for _, parts in waiting for r in parts]))
+        steps_of = iter((made - basis @ (basis.T @ made)).T)  # what the basis holds already corrects nothing
         gain = 0.0
         for (_, parts), length in zip(waiting, sizes, strict=True):
             steps = [next(steps_of) for _ in parts]
             size = max(norm(s) for s in steps) / length
             gain = max(gain, *(norm(s) / max(norm(r), TINY) for s, r in zip(steps, parts, strict=True)))
             worst = max(worst, size)
-            if size > DAVIDSON_ACCURACY:
-                corrections += steps
+            corrections += steps
         if not corrections or basis.shape[1] + len(corrections) > len(basis):
             break
         fresh = _orthonormal(np.column_stack(corrections), basis)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,13 +20,28 @@ RESTARTS = 8
 GAINED = 1e-3  # part of the residual of a guess to which it is reduced, so that solutions nearby differ as they should
 
 
+@dataclass(frozen=True, eq=False)
+class Accuracy:
+    """When a solution is good enough by its own error, whatever the units of the equations.
+
+    The error is estimated by the preconditioner, about A^-1: it is at most the residual's norm times the longest that a
+    unit vector of the Krylov space becomes. size : the norm of solutions.  wanted : the error of a solution that
+    is small enough.
+    """
+
+    size: Callable[[Vector], float]
+    wanted: Callable[[Vector], float]
+
+
 def gmres(
-    apply: Operator, precondition: Operator, right: Vector, tolerance: float = TOLERANCE, guess: Vector | None = None
-) -> tuple[Vector, int, float]:
+    apply: Operator, precondition: Operator, right: Vector, tolerance: float = TOLERANCE, guess: Vector | None = None,
+    accuracy: Accuracy | None = None,
+) -> tuple[Vector, int, float]:  # fmt: skip
     """x with apply(x) = right, by flexible GMRES (Saad 1993); returns x, iterations, relative residual.
 
-    The search stops at `tolerance`, or where the residual does not fall any more. A `guess` is improved even where it
-    meets the tolerance, by `GAINED`: the difference from it is what matters to whoever has one.
+    The search stops at `tolerance`, where the `accuracy` is met (the residual returned is then at most `tolerance`), or
+    where the residual does not fall any more. A `guess` is improved even where it meets the tolerance, by `GAINED`: the
+    difference from it is what matters to whoever has one.
     """
     size = norm(right)
     if size == 0.0:
@@ -43,15 +59,35 @@ def gmres(
         if beta <= tolerance * size or beta > 0.5 * before:
             return x, used, beta / size
         before = beta
-        update, steps, left = _cycle(apply, precondition, residual / beta, beta, tolerance * size)
+        check = None if accuracy is None else _Check(accuracy, x)
+        update, steps, left = _cycle(apply, precondition, residual / beta, beta, tolerance * size, check)
         x = x + update
         used += steps
+        if check is not None and check.met:
+            return x, used, min(left / size, tolerance)
         if left <= tolerance * size:
             return x, used, left / size
     return x, used, norm(right - apply(x)) / size
 
 
-def _cycle(apply: Operator, precondition: Operator, v: Vector, beta: float, goal: float) -> tuple[Vector, int, float]:
+class _Check:
+    """Whether base + an update meets an accuracy."""
+
+    def __init__(self, accuracy: Accuracy, base: Vector) -> None:
+        self.accuracy, self.base = accuracy, base
+        self.longest = 0.0  # that a unit vector becomes
+        self.met = False
+
+    def __call__(self, y: Vector, directions: Vector, left: float) -> bool:
+        self.longest = max(self.longest, self.accuracy.size(directions[-1]))
+        solution = self.base + np.einsum("i,ij->j", y, directions)
+        self.met = left * self.longest <= self.accuracy.wanted(solution)
+        return self.met
+
+
+def _cycle(
+    apply: Operator, precondition: Operator, v: Vector, beta: float, goal: float, check: _Check | None
+) -> tuple[Vector, int, float]:
     """One cycle of at most RESTART steps: the update of x, the number of steps, the norm of the residual left."""
     kind = v.dtype
     basis, directions = np.empty((FIRST_BASIS, len(v)), kind), np.empty((FIRST_BASIS, len(v)), kind)
@@ -75,7 +111,8 @@ def _cycle(apply: Operator, precondition: Operator, v: Vector, beta: float, goal
         e[0] = beta
         y, *_ = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], e, rcond=None)
         left = float(np.linalg.norm(e - hessenberg[: k + 2, : k + 1] @ y))
-        if left <= goal or length <= 1e-14 * beta:
+        met = check is not None and check(y, directions[: k + 1], left)
+        if met or left <= goal or length <= 1e-14 * beta:
             break
         if k + 1 == len(basis):
             basis = np.concatenate([basis, np.empty_like(basis)])

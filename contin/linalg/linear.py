@@ -12,7 +12,7 @@ from contin.abi import Vector
 from contin.linalg.balanced import Balanced
 from contin.linalg.bordered import Approximate, ApproximateBordered, bordered
 from contin.linalg.factor import Factor, Factoriser
-from contin.linalg.krylov import COARSE, TOLERANCE, gmres
+from contin.linalg.krylov import COARSE, TOLERANCE, Accuracy, gmres
 from contin.linalg.tally import Tally
 
 if TYPE_CHECKING:
@@ -192,13 +192,14 @@ class KrylovBordered:
         upper = self.linear.apply(state) + self.columns @ rest
         return np.concatenate([upper, self.rows.T @ state + self.corner @ rest])
 
-    def solve(self, right: Vector, tolerance: float | None = None, guess: Vector | None = None) -> Vector:
+    def solve(self, right: Vector, guess: Vector | None = None, accuracy: Accuracy | None = None) -> Vector:
+        """See `gmres`."""
         if self.complex_ and not np.iscomplexobj(right):
             right = right.astype(complex)
         if self.linear.exact and not self.complex_:
             return np.asarray(self.preconditioner.solve(right))
-        wanted = tolerance or self.tolerance
-        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right, wanted, guess), wanted)
+        found = gmres(self._apply, self.preconditioner.solve, right, self.tolerance, guess, accuracy)
+        return self.linear._finish(found, self.tolerance)
 
 
 def _alike(old: Vector, new: Vector, n: int) -> bool:

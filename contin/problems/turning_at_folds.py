@@ -19,6 +19,7 @@ from contin.machine import elementary
 
 NEAR, FAR = 0.006, 0.03  # distances in the metric, beyond the reach of differences across a corner
 NOISE: Final = 1e-9  # moves of the parameter that say nothing
+SETTLED: Final = 1e-2 * NOISE  # a last correction
 SQUARE: Final = 1.5  # power of s below which the parameter does not turn smoothly
 BUDGET: Final = 25
 
@@ -72,7 +73,7 @@ def _moved(
         if not np.isfinite(size) or size > 10.0 * abs(s) + before:
             return None
         y = y + step
-        if size < 1e-13 or (size >= 0.9 * before and size < 1e-9):
+        if size < SETTLED or (size >= 0.9 * before and size < 1e-9):
             return y
         before = size
     return y if before < 1e-9 else None

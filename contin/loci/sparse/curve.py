@@ -20,7 +20,7 @@ from contin.linalg.linear import Linear, Solution
 from contin.linalg.vectors import norm
 from contin.loci.sparse.singular import Folds, Hopf, Singularity
 from contin.machine import elementary
-from contin.problems.sparse.large_equations import Workspace
+from contin.problems.sparse.large_linearisation import Workspace
 from contin.problems.sparse.large_equilibrium import LargeProblem
 
 if TYPE_CHECKING:

@@ -13,87 +13,17 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of, with_copies
-from contin.linalg.eigen import Region, Spectrum, followed, leading
-from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
-from contin.linalg.vectors import dot, norm
+from contin.linalg.eigen import Spectrum, followed, leading
+from contin.linalg.linear import KrylovLinear, Linear
 from contin.machine import elementary
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
+from contin.problems.sparse.large_linearisation import LargeLinearisation, Workspace
 from contin.systems.functions.function_system import FunctionSystem
 
 STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
-ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
 NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
-ROUGH = 1e-2  # relative residual of solves with an old matrix
-
-
-@dataclass(frozen=True, eq=False)
-class LargeLinearisation:
-    """Scaled residual, and M = [J; t] in scaled unknowns, solved by elimination of the border."""
-
-    residual: Array
-    sign: float  # of det M, where factors give it
-    scale: Array
-    _solution: Solution
-    row: Array | None = None  # of the border, unscaled, ...
-    work: Workspace | None = None  # ... and where the last tangent is
-    rough: bool = False  # solves only as well as a correction with an old matrix needs
-
-    @cached_property
-    def log_determinant(self) -> float:
-        """In place of log |det M|, which swings by many powers of ten when n is large: -2 log |M^-1 e|.
-
-        With it, the test for branch points is the sign of the determinant times 1/|M^-1 e|, about the smallest singular
-        value of M.
-        """
-        if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
-            return 0.0
-        length = norm(self.solve(np.append(np.zeros(len(self.residual)), 1.0)))
-        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
-
-    def solve(self, right: Array) -> Array:
-        """M x = right, in scaled unknowns."""
-        d = self.scale[:-1]
-        both = np.append(d * right[:-1], right[-1])
-        if self.rough and isinstance(self._solution, KrylovBordered):
-            return np.asarray(self._solution.solve(both, ROUGH) / self.scale)
-        if isinstance(self._solution, KrylovBordered) and not right[:-1].any():
-            x = self._tangent(self._solution, both)
-        else:
-            x = self._solution.solve(both)
-        return np.asarray(x / self.scale)
-
-
-    def _tangent(self, solution: KrylovBordered, right: Array) -> Array:
-        """A multiple of the tangent, from the last one that was computed."""
-        if self.row is None or self.work is None:
-            return solution.solve(right)
-        guess = self.work.tangent
-        if guess is not None:
-            along = dot(self.row, guess)
-            far = abs(along) < ALONG * norm(self.row * self.scale) * norm(guess / self.scale)
-            guess = None if far else guess * (right[-1] / along)
-        x = solution.solve(right, guess=guess)
-        if np.all(np.isfinite(x)) and x.any():
-            self.work.tangent = x
-        return x
-
-
-@dataclass(eq=False)
-class Workspace:
-    """What a problem remembers of the last points: their operators, and eigenvectors to start from."""
-
-    z: Array | None = None
-    linear: Linear | None = None
-    start: Array | None = None
-    vectors: NDArray[np.complex128] | None = None
-    gain: float = np.inf  # see `followed`
-    region: Region = field(default_factory=Region)
-    tangent: Array | None = None  # the last one, unscaled
-    judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
-    reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +93,7 @@ class LargeEquations(InOneParameterProblem):
         row = tangent / scale
         solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None], coarse=True)
         sign = linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
-        return LargeLinearisation(f / scale[:-1], sign, scale, solution, row, self.work)
+        return LargeLinearisation(f / scale[:-1], sign, scale, solution, row, self.work, z)
 
     def again(self, here: python_march.Linearisation, z: Array) -> LargeLinearisation | None:
         """A linearisation of this problem with the residual at another point, for one more correction."""

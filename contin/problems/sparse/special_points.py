@@ -180,7 +180,9 @@ def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     at, left, error, _ = found
     values = problem.spectrum(at.z).values
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
-    q = at.tangent[:-1] * frame.scale[:-1]
+    here = problem.linearisation(at.z, at.tangent, frame.scale)  # where solved by iteration, once more from at.tangent
+    t = at.tangent if here is None else here.solve(np.append(np.zeros(problem.n), 1.0))
+    q = t[:-1] / norm(t) * frame.scale[:-1]
     form = forms.fold(problem, at.z, q)
     error += 3.0 * forms.rounding_of_fold(problem, at.z, q)
     residual = max(at.residual, abs(left))

@@ -1,0 +1,126 @@
+"""The bordered linearisation of a large system, and how well iterative solvers are to solve with it.
+
+A correction by Newton's method leaves an error of second order, so it is solved for to a part of its own length; of a
+tangent the fold's test wants dp/ds as a part of itself. Errors are those that the preconditioner estimates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.linalg.eigen import Region
+from contin.linalg.krylov import Accuracy
+from contin.linalg.linear import KrylovBordered, Linear, Solution
+from contin.linalg.vectors import dot, norm
+from contin.machine import elementary
+
+# errors (scaled) of what is solved for by iteration:
+ROUGH = 1e-2  # of a correction with an old matrix, as a part of it
+QUADRATIC = 0.1  # of Newton's correction of length 1
+SETTLED = 1e-13  # of any correction
+TANGENT = 1e-7  # of a tangent, as a part of it, ...
+SLOPE = 1e-3  # ... and of dp/ds
+ROUNDED = 1e-14  # at best
+ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
+CHORD = 1e-3  # (scaled) from which the chord between two points says more about the tangent than rounding
+
+
+@dataclass(eq=False)
+class Workspace:
+    """What a problem remembers of the last points: their operators, and eigenvectors to start from."""
+
+    z: Array | None = None
+    linear: Linear | None = None
+    start: Array | None = None
+    vectors: NDArray[np.complex128] | None = None
+    gain: float = np.inf  # see `followed`
+    region: Region = field(default_factory=Region)
+    tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
+    judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
+    reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
+
+
+@dataclass(frozen=True, eq=False)
+class LargeLinearisation:
+    """Scaled residual, and M = [J; t] in scaled unknowns, solved by elimination of the border."""
+
+    residual: Array
+    sign: float  # of det M, where factors give it
+    scale: Array
+    _solution: Solution
+    row: Array | None = None  # of the border, unscaled, ...
+    work: Workspace | None = None  # ... where the last tangent is
+    z: Array | None = None  # the point
+    rough: bool = False  # solves only as well as a correction with an old matrix needs
+
+    @cached_property
+    def log_determinant(self) -> float:
+        """In place of log |det M|, which swings by many powers of ten when n is large: -2 log |M^-1 e|.
+
+        With it, the test for branch points is the sign of the determinant times 1/|M^-1 e|, about the smallest singular
+        value of M.
+        """
+        if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
+            return 0.0
+        length = norm(self.solve(np.append(np.zeros(len(self.residual)), 1.0)))
+        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
+
+    def solve(self, right: Array) -> Array:
+        """M x = right, in scaled unknowns."""
+        d = self.scale[:-1]
+        both = np.append(d * right[:-1], right[-1])
+        if not isinstance(self._solution, KrylovBordered):
+            x = self._solution.solve(both)
+        elif right[:-1].any():
+            wanted = self._of_chord if self.rough else self._of_newton
+            x = self._solution.solve(both, accuracy=Accuracy(self._size, wanted))
+        else:
+            x = self._tangent(self._solution, both)
+        return np.asarray(x / self.scale)
+
+    def _size(self, x: Array) -> float:
+        return norm(x / self.scale)
+
+    def _of_chord(self, x: Array) -> float:
+        return max(ROUGH * self._size(x), SETTLED)
+
+    def _of_newton(self, x: Array) -> float:
+        size = self._size(x)
+        return max(min(QUADRATIC * size, ROUGH) * size, SETTLED)
+
+    def _of_tangent(self, x: Array) -> float:
+        """The fold's test is dp/ds, which must be right as a part of itself."""
+        size, slope = self._size(x), abs(float(x[-1] / self.scale[-1]))
+        return max(min(TANGENT * size, SLOPE * slope), ROUNDED * size)
+
+    def _tangent(self, solution: KrylovBordered, right: Array) -> Array:
+        """A multiple of the tangent, from the last one that was computed."""
+        accuracy = Accuracy(self._size, self._of_tangent)
+        if self.row is None or self.work is None or self.z is None:
+            return solution.solve(right, accuracy=accuracy)
+        guess = self._guessed()
+        if guess is not None:
+            along = dot(self.row, guess)
+            far = abs(along) < ALONG * norm(self.row * self.scale) * norm(guess / self.scale)
+            guess = None if far else guess * (right[-1] / along)
+        x = solution.solve(right, guess, accuracy)
+        if np.all(np.isfinite(x)) and x.any():
+            self.work.tangent = x, self.z
+        return x
+
+    def _guessed(self) -> Array | None:
+        """The last tangent t; far from it that of the parabola, 2 c - t, c a chord with t.c = |c|^2."""
+        known = None if self.work is None else self.work.tangent
+        if known is None or self.z is None:
+            return None
+        t, place = known
+        chord = (self.z - place) / self.scale
+        if not norm(chord) > CHORD:
+            return t
+        scaled = t / self.scale
+        return np.asarray(self.scale * (2.0 * dot(scaled, chord) / dot(chord, chord) * chord - scaled))
