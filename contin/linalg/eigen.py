@@ -66,6 +66,15 @@ class Region:
         size[self._diagonal] = symmetric[self._diagonal]
         return max(float(np.add.reduceat(size, starts).max()), 0.0), float(np.add.reduceat(skew, starts).max())
 
+    @staticmethod
+    def of_any(matrix: Any) -> tuple[float, float]:
+        """The same of a matrix of any pattern, at the cost of its transpose."""
+        turned = matrix.T.tocsc()
+        symmetric, skew = 0.5 * (matrix + turned), 0.5 * abs(matrix - turned)
+        diagonal = symmetric.diagonal()
+        right = diagonal - np.abs(diagonal) + np.asarray(abs(symmetric).sum(axis=1)).ravel()
+        return max(float(right.max()), 0.0), float(skew.sum(axis=1).max())
+
     def _learn(self, matrix: csc_matrix) -> None:
         from scipy.sparse import csc_matrix
 

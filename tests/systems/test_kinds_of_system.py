@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -98,9 +99,20 @@ VERBS = {
     "plane": lambda m: contin.plane(m, "x", "y", x_range=(0.7, 0.8), y_range=(0.2, 0.3)),
     "plot": lambda m: line(m).plot(),
     "average": contin.average,
+    "walk": lambda m: list(islice(contin.walk(m, "A", (0.1, 1.5)), 3)),
+    "deflated": lambda m: contin.deflated(m, "A", (0.1, 1.2), samples=1, settings={"steps": 4}),
+    "draw": lambda m: contin.draw(line(m)),
     "connection": lambda m: contin.connection(m, {"x": 1.0, "y": 1.0}),
+    "manifold": lambda m: contin.manifold(m, {"x": 1.0, "y": 1.0}, VALUES | {"B": 2.5}, length=1.0),
+    "torus": lambda m: contin.torus(m, "A", (0.1, 2.0), start={"x": 1.3, "y": 1.2}),
     "boundary_problem": contin.boundary_problem,
 }
+
+
+ELSEWHERE = {  # what takes no system, or makes one
+    "__version__", "ContinError", "InputError", "FunctionProblem", "Model", "load", "read",
+    "from_autograd", "from_casadi", "from_jax", "from_petsc",
+}  # fmt: skip
 
 
 def table() -> dict[tuple[str, str], bool]:
@@ -120,6 +132,7 @@ def table() -> dict[tuple[str, str], bool]:
 def test_every_verb_takes_this_kind_of_system_or_says_why_not(kind):
     said = table()
     assert {verb for verb, _ in said} == set(VERBS), "a verb without a row"
+    assert set(contin.__all__) - ELSEWHERE <= set(VERBS) | {"periodic_orbit", "connecting_orbit"}
     for verb, call in VERBS.items():
         if said[verb, kind]:
             call(KINDS[kind]())

@@ -20,8 +20,8 @@ from contin.linalg.linear import Linear, Solution
 from contin.linalg.vectors import norm
 from contin.loci.sparse.singular import Folds, Hopf, Singularity
 from contin.machine import elementary
-from contin.problems.sparse.large_linearisation import Workspace
 from contin.problems.sparse.large_equilibrium import LargeProblem
+from contin.problems.sparse.large_linearisation import Workspace
 
 if TYPE_CHECKING:
     from contin.systems.functions.function_system import FunctionSystem

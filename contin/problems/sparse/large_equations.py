@@ -124,6 +124,8 @@ class LargeEquations(InOneParameterProblem):
             return found
         if linear.matrix is not None:
             right, up = work.region.of(linear.matrix)
+            if work.vectors is None and not np.isfinite(right):  # later ones grow out of those of the first point
+                right, up = work.region.of_any(linear.matrix)
             radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
         found = leading(linear, n, start, radius, work.reach)
         unstable = found.values[found.values.real > 0.0]

@@ -96,6 +96,31 @@ def test_region_holds_every_unstable_eigenvalue():
         assert np.all(np.abs(unstable.imag) <= up + 1e-12)
 
 
+def test_region_of_any_pattern_is_that_of_a_full_one():
+    matrix = np.random.default_rng(3).normal(size=(30, 30))
+    np.testing.assert_allclose(Region.of_any(sp.csc_matrix(matrix)), Region().of(sp.csc_matrix(matrix)), rtol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_unstable_states_are_counted_from_the_first_point_on(seed):
+    """Matrices of no symmetry in their pattern, with fast unstable pairs beside slow stable states."""
+    generator = np.random.default_rng(seed)
+    n = 90
+    pairs = [np.array([[0.5, w], [-w, 0.5]]) for w in (8.0, 11.0, 15.0)]
+    blocks = sp.block_diag([*pairs, sp.diags(-np.linspace(0.2, 2.0, n - 6))])
+    upper = sp.triu(sp.random(n, n, density=0.02, random_state=generator), 1)  # feeds forward: eigenvalues stay
+    couplings = sp.block_diag([sp.csc_matrix((6, 6)), upper.tocsc()[6:, 6:]])
+    matrix = sp.csc_matrix(blocks + couplings)
+    problem = contin.FunctionProblem(
+        lambda u, p: matrix @ u + p["p"] - 0.01 * u**3, np.zeros(n), {"p": 0.0},
+        lambda u, p: (matrix - sp.diags(0.03 * u**2)).tocsc(),
+    )  # fmt: skip
+    line = api.continuation(problem, "p", (-0.05, 0.05), settings={"steps": 3})
+    assert line.columns["unstable"].tolist() == [6] * len(line)
+    assert not line.points
+    assert not line.notes
+
+
 def test_leading_eigenvalues_are_those_of_the_dense_matrix():
     n = 300
     laplacian = sp.diags([np.ones(n - 1), -2 * np.ones(n), np.ones(n - 1)], [-1, 0, 1]) * (n + 1) ** 2
