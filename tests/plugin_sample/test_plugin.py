@@ -162,4 +162,5 @@ def test_an_output_of_the_package_writes_its_files(environment):
     assert "values of p, d are not written" in environment.run(code).stderr
     unknowns, equations = (environment.folder / "ring.mac").read_text().splitlines()
     assert unknowns == "unknowns: [x0, x1, x2, x3]$"
-    assert equations.startswith("equations: [") and equations.count(" = 0") == 4
+    assert equations.startswith("equations: [")
+    assert equations.count(" = 0") == 4
