@@ -50,3 +50,12 @@ class CurveOfPoints(TwoParameterProblem):
     @abstractmethod
     def of_type(self, type_: str, p: Array) -> CurveOfPoints:
         """The curve of another type in the same two parameters, the others being those of p."""
+
+
+def scalar_columns(locus: str, scalar: Array) -> dict[str, Array]:
+    """Of Hopf curves kappa = omega^2, of tori cos(theta), and where the pair is real; of others nothing."""
+    if locus == "HB":
+        return {"kappa": scalar.copy(), "neutral": np.asarray(scalar < 0.0)}
+    if locus == "NS":
+        return {"cos.theta": scalar.copy(), "neutral": np.asarray(np.abs(scalar) > 1.0)}
+    return {}

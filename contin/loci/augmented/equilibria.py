@@ -22,6 +22,7 @@ from contin.normalforms.sources import compiled_jet
 from contin.problems.algebraic_states import finite_eigenvalues
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.scales import parameter_width
+from contin.problems.state_columns import state_columns
 
 FIRST = 2  # place of the first test among those of a sample
 FLOW, MAP = ("LP", "HB"), ("LP", "NS", "PD")
@@ -176,13 +177,9 @@ class EquilibriumBase(Base):
 
     def columns(self, z: Array) -> dict[str, Array]:
         found = {name: z[:, -1 - k].copy() for k, name in enumerate(self.names)}
-        system, n = self.system, self.problem.n
-        found |= {name: z[:, k].copy() for k, name in enumerate(system.state_names)}
-        if system.observable_names:
-            p = np.array([self.full_parameters(row) for row in z])
-            values = system.observables(np.ascontiguousarray(z[:, :n]), p)
-            found |= {name: values[:, k].copy() for k, name in enumerate(system.observable_names)}
-        return found
+        return found | state_columns(
+            self.system, z[:, : self.problem.n], lambda: np.array([self.full_parameters(row) for row in z])
+        )
 
     def column_names(self) -> tuple[str, ...]:
         return (*self.names, *self.system.state_names, *self.system.observable_names)

@@ -20,8 +20,10 @@ from contin.loci.codim2.functions import function_of
 from contin.loci.codim2.matrices import eigenvalues
 from contin.loci.codim2.monitors import tests_at
 from contin.loci.codim2.solving import Solution
+from contin.loci.curve_of_points import scalar_columns
 from contin.loci.equilibria import timeless
 from contin.problems.scales import parameter_width
+from contin.problems.state_columns import state_columns
 from contin.special.table import signs_of_points
 
 if TYPE_CHECKING:
@@ -144,18 +146,10 @@ class PointBase(Base):
 
     def columns(self, z: Array) -> dict[str, Array]:
         found = {name: z[:, -1 - k].copy() for k, name in enumerate(self.names)}
-        system, n = self.system, self.locus.n
-        found |= {name: z[:, k].copy() for k, name in enumerate(system.state_names)}
-        if system.observable_names:
-            rows = [system.observables(row[None, :n], self.locus.curve.full_parameters(row)[None]) for row in z]
-            values = np.concatenate(rows)
-            found |= {name: values[:, k] for k, name in enumerate(system.observable_names)}
-        scalar = z[:, -1 - len(self.names)]
-        if self.locus.locus == "HB":
-            found |= {"kappa": scalar.copy(), "neutral": scalar < 0.0}  # type: ignore[dict-item]
-        if self.locus.locus == "NS":
-            found |= {"cos.theta": scalar.copy(), "neutral": np.abs(scalar) > 1.0}  # type: ignore[dict-item]
-        return found
+        found |= state_columns(
+            self.system, z[:, : self.locus.n], lambda: np.array([self.locus.curve.full_parameters(row) for row in z])
+        )
+        return found | scalar_columns(self.locus.locus, z[:, -1 - len(self.names)])
 
     def column_names(self) -> tuple[str, ...]:
         return (*self.names, *self.system.state_names, *self.system.observable_names)

@@ -16,12 +16,13 @@ from contin.errors import NotFiniteError
 from contin.kernels import locus as kernel
 from contin.linalg import newton
 from contin.loci.codim2 import degenerate, events, uncomputed_tests
-from contin.loci.curve_of_points import LONGEST, CurveOfPoints
+from contin.loci.curve_of_points import LONGEST, CurveOfPoints, scalar_columns
 from contin.loci.equilibria import timeless
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.march import march, probe
 from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
+from contin.problems.state_columns import state_columns
 from contin.simulate.reach import has_reach, left_reach
 
 CHUNK = 250  # rows after which the border is looked at again
@@ -200,22 +201,13 @@ class LocusProblem(CurveOfPoints):
         return left_reach(self.system, z[:, : self.n], p)
 
     def columns(self, z: Array) -> dict[str, Array]:
-        n = self.n
-        columns = self.parameter_columns(z)
-        for k, name in enumerate(self.system.state_names):
-            columns[name] = z[:, k].copy()
-        if self.system.observable_names:
+        def parameters() -> Array:
             p = np.tile(self.base, (len(z), 1))
             p[:, self.curve.first], p[:, self.curve.second] = z[:, -1], z[:, -2]
-            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
-            for k, name in enumerate(self.system.observable_names):
-                columns[name] = recorded[:, k].copy()
-        if self.locus == "HB":
-            columns["kappa"] = z[:, -3].copy()
-            columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
-        if self.locus == "NS":
-            columns["cos.theta"] = z[:, -3].copy()
-            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
+            return p
+
+        columns = self.parameter_columns(z) | state_columns(self.system, z[:, : self.n], parameters)
+        columns |= scalar_columns(self.locus, z[:, -3])
         if self.locus == "BP" and self._is_unfolded(z):
             columns["unfolding"] = z[:, -3].copy()
         return columns

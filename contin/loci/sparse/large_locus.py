@@ -15,9 +15,11 @@ from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.codim2.events import explain as explain_events
 from contin.loci.codim2.events import watch
+from contin.loci.curve_of_points import scalar_columns
 from contin.loci.sparse import events
 from contin.loci.sparse.on_large_curve import OnLargeCurve
 from contin.machine import elementary
+from contin.problems.state_columns import state_columns
 
 POLISH_BUDGET = 12
 
@@ -107,20 +109,15 @@ class LargeLocus(OnLargeCurve):
         return [self.verify(type_, a, frame) for type_ in events.crossed(self.locus, a, b)]
 
     def columns(self, z: Array) -> dict[str, Array]:
-        n = self.n
         rows = [self.curve.branch(row) for row in z]
         points = np.array([point for _, point in rows])
         columns = self.parameter_columns(z)
         plain = replace(self.curve.origin, active=self.curve.first)
         columns.update({k: v for k, v in plain.columns(points).items() if k not in columns})
-        if self.system.observable_names:
-            p = np.array([self.curve.full_parameters(row) for row in z])
-            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
-            columns.update({name: recorded[:, k].copy() for k, name in enumerate(self.system.observable_names)})
-        if self.locus == "HB":
-            columns["kappa"] = z[:, -3].copy()
-            columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
-        return columns
+        columns |= state_columns(
+            self.system, z[:, : self.n], lambda: np.array([self.curve.full_parameters(row) for row in z])
+        )
+        return columns | scalar_columns(self.locus, z[:, -3])
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         return []

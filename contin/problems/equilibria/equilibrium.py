@@ -44,6 +44,7 @@ from contin.problems.equilibria.start_metric import scales_at
 from contin.problems.equilibria.tangent_branches import beyond
 from contin.problems.neutral_pairs import NeutralMarch, is_neutral
 from contin.problems.neutral_pairs import remarks as neutral_remarks
+from contin.problems.state_columns import state_columns
 from contin.problems.surfaces import boundary
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
@@ -274,17 +275,8 @@ class EquilibriumProblem(AlgebraicEquations):
         return found if a.unstable == b.unstable else Jump(found.reason)
 
     def columns(self, z: Array) -> dict[str, Array]:
-        n, names = self.n, self.system.parameter_names
-        columns: dict[str, Array] = {names[self.active]: z[:, -1].copy()}
-        for k, name in enumerate(self.system.state_names):
-            columns[name] = z[:, k].copy()
-        if self.system.observable_names:
-            p = np.tile(self.base, (len(z), 1))
-            p[:, self.active] = z[:, -1]
-            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
-            for k, name in enumerate(self.system.observable_names):
-                columns[name] = recorded[:, k].copy()
-        return columns
+        columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
+        return columns | state_columns(self.system, z[:, : self.n], lambda: self.rows_of_parameters(z))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What holds all along the branch (rows z)."""

@@ -22,6 +22,7 @@ from contin.problems.sparse.large_equations import (
     STRIDE,
     LargeEquations,
 )
+from contin.problems.state_columns import state_columns
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 
@@ -125,17 +126,11 @@ class LargeProblem(LargeEquations):
         """The parameter, named states, what is recorded; and of many states their norm, smallest and largest value."""
         names = self.system.state_names
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
-        columns.update({name: z[:, k].copy() for k, name in enumerate(names)})
         if not names:
             u = z[:, :-1]
             columns["norm"] = np.array([norm(row) for row in u]) / np.sqrt(self.n)
             columns["min"], columns["max"] = u.min(axis=1), u.max(axis=1)
-        if self.system.observable_names:
-            p = np.tile(self.base, (len(z), 1))
-            p[:, self.active] = z[:, -1]
-            recorded = self.system.observables(z[:, :-1], p)
-            columns.update({name: recorded[:, k].copy() for k, name in enumerate(self.system.observable_names)})
-        return columns
+        return columns | state_columns(self.system, z[:, :-1], lambda: self.rows_of_parameters(z))
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""
