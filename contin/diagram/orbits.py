@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from contin.problems.equilibria.equilibrium import EquilibriumProblem
     from contin.problems.orbits.mesh.layout import Profile
 
-CASCADE = 2  # period doublings after which a cascade is left to the user
+CASCADE = 2  # period doublings, or gluings, after which a cascade is left to the user
+LENGTHENING = ("PD", "HOM")  # where orbits of twice the period, or of twice the loops, are born
+TWICE = 3  # of both together: their cascades alternate without end (Shimizu and Morioka's equations)
 SAME_PARAMETER = 1e-6  # relative to the range
 SAME_PERIOD = 1e-4  # relative
 SAME_ORBIT = 1e-2  # distance between two orbits as sets, relative to their extent: period and parameter agree already
@@ -36,12 +38,19 @@ def generation(born_at: Sequence[str], families: Sequence[str] = ("PD", "BPC")) 
 def left_to_the_user(branch: Branch, point: SpecialPoint, rule: Explored) -> str:
     """Why the families born at a point of a family of orbits are not followed; empty where they are.
 
-    There are infinitely many in a cascade of period doublings, and beside a homoclinic orbit to a saddle-focus.
+    There are infinitely many in cascades of period doublings and of gluings at homoclinic orbits, and beside a
+    homoclinic orbit to a saddle-focus.
     """
     if branch.kind != "orbit":
         return ""
     if rule.cascade and branch.born_at.count(point.type) >= CASCADE:
         return f"orbits of {2**CASCADE} times the period are the last that are followed"
+    if point.type in LENGTHENING:
+        born = [type_ for type_ in branch.born_at if type_ in LENGTHENING]
+        if born.count(point.type) >= CASCADE or len(born) >= TWICE:
+            return (
+                f"families of twice as many loops, at {point.type}, are not followed: these came after {len(born)} such"
+            )
     if rule.crowded and beside_homoclinic(branch, point):
         return "families of long orbits beside a homoclinic orbit to a saddle-focus are not followed"
     return ""
