@@ -156,6 +156,27 @@ def test_uniform_oscillations_of_the_complex_ginzburg_landau_equation(points, me
     np.testing.assert_allclose(largest, np.sort(np.abs(exact))[::-1][:3], atol=2e-4)
 
 
+def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_curve():
+    """A_t = (mu + i) A + (1 + i/2) A_xx + (c + 0.3 i) |A|^2 A - |A|^4 A: folds where mu = -c^2/4."""
+    square = "(u^2 + v^2)"
+    problem = contin.load({
+        "name": "quintic", "kind": "pde",
+        "domain": {"x": {"to": "2*pi", "points": 24, "method": "differences", "periodic": True}},
+        "fields": {"u": 0, "v": 0}, "parameters": {"mu": -0.5, "c": 1.0},
+        "equations": {
+            "u": f"mu*u - v + dxx(u) - 0.5*dxx(v) + {square}*(c*u - 0.3*v) - {square}^2*u",
+            "v": f"mu*v + u + dxx(v) + 0.5*dxx(u) + {square}*(c*v + 0.3*u) - {square}^2*v",
+        },
+    })  # fmt: skip
+    line = contin.continuation(problem, "mu", (-0.5, 0.2))
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.4, 0.1), settings={"intervals": 10, "steps": 25})
+    curve = contin.continuation(found["LPC1"].locus(), ("mu", "c"), {"mu": (-0.6, 0), "c": (0.9, 1.1)})
+    c = curve.columns["c"]
+    np.testing.assert_allclose(curve.columns["mu"], -(c**2) / 4, atol=MESH)
+    np.testing.assert_allclose(curve.columns["period"], 2 * np.pi / (1 + 0.15 * c), rtol=MESH)  # |A|^2 = c/2
+    assert np.ptp(c) == pytest.approx(0.2)
+
+
 def test_the_period_converges_with_the_fifth_power():
     errors = []
     for intervals in (6, 12):
