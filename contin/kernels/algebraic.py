@@ -39,6 +39,7 @@ from contin.kernels.steering import (
     passes_start,
     set_out,
     strays,
+    turn,
 )
 from contin.kernels.tests_of_stability import flow_tests, map_tests
 
@@ -202,35 +203,32 @@ def measure(
     return flow_tests(re, im, rates, tests)
 
 
-def memory(n: int, p_size: int) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
+def memory(n: int, p_size: int) -> tuple[Array | NDArray[np.int64], ...]:
     """Arrays that `probes` and `march` work in, for n equations with so many parameters: their last arguments.
 
-    vectors (10, max(n + 1, TESTS)), jacobian (n, n + p_size), matrix (n + 1, n + 1), block and work (n, n), pivots
-    (n + 1,).
+    y, step, z, tangent, old, every (n + 1,), f, rates (n,), sizes (2,), tests (TESTS,), jacobian (n, n + p_size),
+    matrix (n + 1, n + 1), block and work (n, n), pivots (n + 1,). One by one: a view in a kernel takes long to compile.
     """
-    square = np.empty((2, n, n))
+    rows, columns, square = np.ones((6, n + 1)), np.empty((2, n)), np.empty((2, n, n))
     return (
-        np.empty((10, max(n + 1, TESTS))), np.empty((n, n + p_size)), np.empty((n + 1, n + 1)), square[0], square[1],
-        np.empty(n + 1, np.int64),
+        *rows, *columns, np.empty(2), np.empty(TESTS), np.empty((n, n + p_size)), np.empty((n + 1, n + 1)), square[0],
+        square[1], np.empty(n + 1, np.int64),
     )  # fmt: skip
 
 
-@kernel("i, b, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1, f2, f2, f2, f2, f2, i1")
+@kernel(
+    "i, b, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1, "
+    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f2, f2, f2, i1"
+)
 def probes(
     address, is_map, z0, tangent, lengths, p, active, scale, tolerance, trust, reference, z, tangents, tests, re, im,
-    unstable, vectors, jacobian, matrix, block, work, pivots,
+    unstable, y, step, _z, _tangent, _old, _every, f, rates, sizes, _tests, jacobian, matrix, block, work, pivots,
 ):  # fmt: skip
     """Solve on the planes tangent . (z - z0) / D = lengths[k] from guesses, the rows of z, and measure there.
 
-    unstable[k] : the count; -1 where Newton fails, -2 where something is not finite.  vectors, jacobian, matrix, block,
-    work, pivots : see `memory`.
+    unstable[k] : the count; -1 where Newton fails, -2 where something is not finite.  y, ..., pivots : see `memory`.
     """
     n = z0.size - 1
-    y = vectors[0][: n + 1]
-    step = vectors[1][: n + 1]
-    f = vectors[2][:n]
-    rates = vectors[3][:n]
-    sizes = vectors[4][:2]
     for k in range(lengths.size):
         for j in range(n + 1):
             y[j] = (z[k, j] - z0[j]) / scale[j]
@@ -249,11 +247,13 @@ def probes(
 
 
 @kernel(
-    "i, b, f1, f1, f1, f1, f1, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1, f2, f2, f2, f2, f2, i1"
+    "i, b, f1, f1, f1, f1, f1, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1, "
+    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f2, f2, f2, i1"
 )
 def points_between(
     address, is_map, z0, tangent, a, tangent_a, b, tangent_b, fractions, lengths, p, active, scale, tolerance, trust,
-    reference, z, tangents, tests, re, im, unstable, vectors, jacobian, matrix, block, work, pivots,
+    reference, z, tangents, tests, re, im, unstable, y, step, _z, _tangent, _old, _every, f, rates, sizes, _tests,
+    jacobian, matrix, block, work, pivots,
 ):  # fmt: skip
     """`probes` at fractions of the way from a to b, lengths[0] and lengths[1] from z0; of the others, -1 is set.
 
@@ -265,18 +265,22 @@ def points_between(
         lengths[2 + k] = s_a + fractions[k] * (s_b - s_a)
     probes(
         address, is_map, z0, tangent, lengths[2:], p, active, scale, tolerance, trust, reference, z, tangents, tests,
-        re, im, unstable, vectors, jacobian, matrix, block, work, pivots,
+        re, im, unstable, y, step, _z, _tangent, _old, _every, f, rates, sizes, _tests, jacobian, matrix, block, work,
+        pivots,
     )  # fmt: skip
     for k in range(fractions.size):
         if unstable[k] >= 0 and not is_between(z, k, a, b, scale):
             unstable[k] = -1
 
 
-@kernel("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1, f2, f2, f2, f2, f2, i1 -> i")
+@kernel(
+    "i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1, "
+    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f2, f2, f2, i1 -> i"
+)
 def march(
     address, is_map, p, active, scale, bounds, controls, limit, previous_tangent, previous_tests,
     loop_z, loop_tangent, periods, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, info,
-    vectors, jacobian, matrix, block, work, pivots,
+    y, step, z, tangent, old, every, f, rates, sizes, tests, jacobian, matrix, block, work, pivots,
 ):  # fmt: skip
     """Follow the curve from row 0 of out_z (with guide tangent out_t[0], scaled) for up to `limit` accepted points.
 
@@ -291,17 +295,6 @@ def march(
     n = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
     h_previous, target_angle, trust = controls[5], controls[6], controls[7]
-    y = vectors[0][: n + 1]
-    step = vectors[1][: n + 1]
-    f = vectors[2][:n]
-    rates = vectors[3][:n]
-    sizes = vectors[4][:2]
-    z = vectors[5][: n + 1]
-    tangent = vectors[6][: n + 1]
-    old = vectors[7][: n + 1]
-    tests = vectors[8][:TESTS]
-    every = vectors[9][: n + 1]
-    every[:] = 1.0
     info[:] = 0.0
     info[1] = h
     for j in range(n + 1):
@@ -391,7 +384,7 @@ def march(
         for i in range(TESTS):
             out_tests[row, i] = tests[i]
         info[0] = row
-        angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
+        angle = turn(cosine, target_angle) if not corner else target_angle
         h_used = h
         h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
         info[1] = h

@@ -28,9 +28,12 @@ from contin.machine.objects import Piece
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
 _DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
 
-NEXT: Final = {"grading": "algebraic", "eigen": "algebraic"}
-"""Kernels that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next. Processes
-that make kernels take a second to begin."""
+NEXT: Final = {
+    "grading": ("algebraic", "defining", "rest_of_step"), "eigen": ("algebraic", "defining", "rest_of_step"),
+    "algebraic": ("defining", "rest_of_step"),
+}  # fmt: skip
+"""Kernels that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next, and meets
+special points. Processes that make kernels take a second to begin."""
 
 _lock = threading.RLock()
 _loaded: set[str] = set()
@@ -74,10 +77,9 @@ def _called_by_symbol(declaration: Declaration) -> Iterable[Declaration]:
 
 
 def _companions(declaration: Declaration) -> Iterable[Declaration]:
-    """The other kernels of its module and of the one that is needed next, with all that they need."""
+    """The other kernels of its module and of those that are needed next, with all that they need."""
     modules = [declaration.function.__module__]
-    if (next_one := NEXT.get(module_of(declaration))) is not None:
-        modules.append(import_module(sources.BASE + next_one).__name__)
+    modules += [import_module(sources.BASE + name).__name__ for name in NEXT.get(module_of(declaration), ())]
     for module in modules:
         for value in vars(sys.modules[module]).values():
             other = declared(value)

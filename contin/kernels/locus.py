@@ -38,6 +38,7 @@ from contin.kernels.steering import (
     passes_start,
     set_out,
     strays,
+    turn,
 )
 from contin.kernels.tests_of_stability import flow_tests
 
@@ -418,7 +419,7 @@ def march(
         for i in range(TESTS):
             out_tests[row, i] = tests[i]
         info[0] = row
-        angle = math.acos(min(max(cosine, -1.0), 1.0))
+        angle = turn(cosine, target_angle)
         h_used = h
         h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
         info[1] = h

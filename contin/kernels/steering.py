@@ -5,8 +5,6 @@ Parts of kernels (`contin.kernels.compile.part`): put in place where they are ca
 
 import math
 
-import numpy as np
-
 from contin.kernels.compile import inlined
 
 # why a march stopped
@@ -18,6 +16,7 @@ GUARD = 0.6  # a step is refined while a test function differs from its linear p
 GUARD_FLOOR = 2e-3  # ... but not below this arclength
 GROWTH = 2.0  # largest growth of a step
 SHRINK = 0.3  # smallest
+FAR = 20.0  # more than GROWTH to any order up to 4: a correction so far below what is wanted lets the step grow
 RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
 ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a straight line
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
@@ -80,13 +79,21 @@ def dipping(tests, rows, k, previous, first, h_previous, h):
     return found
 
 
+@inlined("f, f -> f")
+def turn(cosine, target_angle):
+    """The angle between two unit tangents, 0 where it is certainly less than a half of `target_angle`."""
+    if 20.0 * (1.0 - cosine) < target_angle * target_angle:  # acos(c) <= pi sqrt((1 - c) / 2)
+        return 0.0
+    return math.acos(min(max(cosine, -1.0), 1.0))
+
+
 @inlined("f, f, f, f, f, f, f, f, f, f -> f")
 def next_step(h, angle, target_angle, correction, wanted, order, iterations, most, h_min, h_max):
     """The next step from the tangent's turn, the corrector's first correction (~ h^order) and its iterations."""
     factor = GROWTH
     if angle > 0.0:
         factor = min(factor, target_angle / angle)
-    if correction > ROUNDING:
+    if correction > ROUNDING and wanted < FAR * correction:
         factor = min(factor, (wanted / correction) ** (1.0 / order))
     if iterations > most:
         factor = min(factor, most / iterations)
@@ -108,7 +115,7 @@ def passes_start(z, last_z, loop_z, loop_tangent, seen, periods, scale, h):
         d = z[j] - loop_z[j]
         e = last_z[j] - loop_z[j]
         if j < periods.size and periods[j] > 0.0:
-            shift = periods[j] * np.round(d / periods[j])
+            shift = periods[j] * math.floor(d / periods[j] + 0.5)
             d -= shift
             e -= shift
         d /= scale[j]

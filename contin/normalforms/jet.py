@@ -79,7 +79,11 @@ class DerivativeJet:
         return len(self.A)
 
     def form(self, *directions: Vector) -> Vector:
-        order, is_complex = len(directions), "c" in [d.dtype.kind for d in directions]
+        order = len(directions)
+        known_terms = self._tensors.get(order)
+        if known_terms is not None:
+            return contracted(known_terms, directions)
+        is_complex = "c" in [d.dtype.kind for d in directions]
         if order in self._tensors or (order in TENSORS and self._has_tensors and self._are_many(order, is_complex)):
             tensor = self._tensor(order)
             if tensor is not None:

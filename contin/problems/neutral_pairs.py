@@ -60,11 +60,9 @@ def is_suspect(values: Values, is_map: bool) -> bool:
     listed = values.tolist()  # asked at every point that is looked at: numbers take less time than arrays
     if not all(map(isfinite, listed)):
         return False
-    for a, b in combinations(listed, 2):
-        gap, size = (abs(a * b - 1.0), 1.0 + abs(a * b)) if is_map else (abs(a + b), max(abs(a) + abs(b), 1e-300))
-        if gap < SUSPECT * size:
-            return True
-    return False
+    if is_map:
+        return any(abs(a * b - 1.0) < SUSPECT * (1.0 + abs(a * b)) for a, b in combinations(listed, 2))
+    return any(abs(a + b) < SUSPECT * max(abs(a) + abs(b), 1e-300) for a, b in combinations(listed, 2))
 
 
 def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> Array:

@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.problem import Sample
+from contin.kernels import rest_of_step as kernel
 
-STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may differ from linear interpolation
-FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
 CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose tests should hardly differ
-CLEAR: Final = 30.0  # times the differences seen: values that are no rounding errors
 WIDE: Final = 4.0  # ratio of distances
 BUDGET: Final = 64  # points looked at
 
@@ -36,42 +34,15 @@ def is_clear(
     a, b = (abs(stretch.length_of(sample) - centre) for sample in (near, far))
     if not 0.0 < a < b or b < 1.01 * a or stretch.problem.explain(near, far) != ():
         return False
-    wide = b > WIDE * a
-    places = [CLOSE_BY, 2.0 * CLOSE_BY, (sqrt(a * b) - a) / (b - a), *([0.5] if wide else [])]
-    samples = stretch.several(near, far, places)
-    if any(sample is None or sample.unstable != near.unstable for sample in samples):
+    middle = (sqrt(a * b) - a) / (b - a)
+    places = (CLOSE_BY, 2.0 * CLOSE_BY, middle, 0.5) if b > WIDE * a else (CLOSE_BY, 2.0 * CLOSE_BY, middle)
+    found = stretch.tests_between(near, far, places)
+    if found is None or any(count != near.unstable for count in found[1]):
         return False
-    s = [0.0, *places[2:], 1.0]
-    triples = [(0, 1, len(s) - 1), (0, 2, 3)] if wide else [(0, 1, 2)]
-    looked = [near, *(sample for sample in samples if sample is not None), far]
-    gaps = [a + part * (b - a) for part in s]
-    columns = zip(*(sample.tests.tolist() for sample in looked), strict=True)
-    for divided, (here, beside, farther, *others) in zip(crossing.tolist(), columns, strict=True):
-        noise = CLEAR * abs(here - 2.0 * beside + farther)
-        rest = [value if abs(value) > noise else 0.0 for value in (here, *others)]
-        if divided:
-            if adaptive and 0.0 in rest:
-                return False
-            rest = [value / gap for value, gap in zip(rest, gaps, strict=True)]
-        last = rest[0]
-        for value in rest:
-            if last * value < 0.0:
-                return False
-            last = value
-        for i, j, k in triples:
-            if not has_no_room(rest[i], rest[j], rest[k], (s[j] - s[i]) / (s[k] - s[i])):
-                return False
-    return True
-
-
-def has_no_room(left: float, middle: float, right: float, fraction: float) -> bool:
-    """True where a test has no room for two zeros between these values; `fraction`: of the way, the middle one's."""
-    if left * middle < 0.0 or middle * right < 0.0:
-        return False
-    smallest = min(abs(left), abs(middle), abs(right))
-    largest = max(abs(left), abs(middle), abs(right))
-    bent = abs(middle - left - fraction * (right - left)) > STRAIGHT * smallest
-    return not ((bent or largest > FALLING * smallest) and largest > 0.0)
+    gaps = np.array([a, *(a + part * (b - a) for part in places[2:]), b])
+    return bool(
+        kernel.is_clear(near.tests, found[0], far.tests, np.array(places), gaps, crossing.astype(np.int64), adaptive)
+    )
 
 
 def points_between(
@@ -118,7 +89,7 @@ def rounding(stretch: Stretch, near: Sample, far: Sample) -> Array:
         if beside is None:
             return np.zeros(len(near.tests))
         values.append(beside.tests)
-    return np.asarray(CLEAR * np.abs(values[0] - 2.0 * values[1] + values[2]))
+    return np.asarray(kernel.CLEAR * np.abs(values[0] - 2.0 * values[1] + values[2]))
 
 
 def solved(stretch: Stretch, row: Sample, other: Sample) -> Sample:
@@ -177,5 +148,4 @@ def _fraction(stretch: Stretch, left: Sample, middle: Sample, right: Sample) -> 
 
 def _is_straight(left: Array, middle: Array, right: Array, fraction: float) -> bool:
     """True where no test has room for two zeros between these values."""
-    values = zip(left.tolist(), middle.tolist(), right.tolist(), strict=True)
-    return all(has_no_room(a, m, b, fraction) for a, m, b in values)
+    return bool(kernel.are_straight(left, middle, right, fraction))

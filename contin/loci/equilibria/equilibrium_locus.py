@@ -86,7 +86,7 @@ class LocusProblem(CurveOfPoints):
             self._trust,
         ])  # fmt: skip
         reason = kernel.march(
-            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), curve.parameters(origin.z),
+            *self._functions, n, self.base.copy(), self._slots, curve.parameters(origin.z),
             curve.active, frame.scale, np.array(self.walls, dtype=float), controls, limit,
             first if before is None or renewed else before.tangent,
             np.zeros(kernel.TESTS) if before is None else before.tests,
@@ -119,6 +119,11 @@ class LocusProblem(CurveOfPoints):
         third = system.form(3) if self.locus == "HB" else system.form(2)
         return self.curve.extended.jacobian_address, _KINDS[self.locus], system.form(2), third
 
+    @cached_property
+    def _slots(self) -> NDArray[np.int64]:
+        """Places of the first and of the second parameter among those of the model."""
+        return np.array([self.curve.first, self.curve.second])
+
     @property
     def _trust(self) -> float:
         return 0.0 if self.system.n_switches else 0.01
@@ -135,7 +140,7 @@ class LocusProblem(CurveOfPoints):
         z, t, tests = np.empty(curve.size), np.empty(curve.size), np.empty(kernel.TESTS)
         re, im = np.empty(n), np.empty(n)
         count = kernel.probe(
-            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, length,
+            *self._functions, n, self.base.copy(), self._slots, base.z, base.tangent, length,
             guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z,
             t, tests, re, im,
         )  # fmt: skip
@@ -147,19 +152,36 @@ class LocusProblem(CurveOfPoints):
         self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
         frame: Frame, settings: Settings,
     ) -> Sequence[Sample | None] | None:  # fmt: skip
+        known = self._between(base, ends, lengths, fractions, frame, settings)
+        if known is None:
+            return None
+        z, t, tests, counts, values = known
+        found = [None if row[3] < 0 else Sample(*row) for row in zip(z, t, tests, counts, values, strict=True)]
+        return found if self.has_stability else [s and timeless.sample_without(s) for s in found]
+
+    def tests_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> tuple[Array, Sequence[int]] | None:  # fmt: skip
+        known = self._between(base, ends, lengths, fractions, frame, settings) if self.has_stability else None
+        return None if known is None else (known[2], known[3])
+
+    def _between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> tuple[Array, Array, Array, list[int], NDArray[np.complex128]] | None:  # fmt: skip
+        """z, tangents, tests, counts (-1 where there is no point) and eigenvalues; None where no kernel has them."""
         curve, n, (a, b), count = self.curve, self.n, ends, len(fractions)
         if not curve.compiled or self.locus == "BP":
             return None
         z, t, tests = np.empty((count, curve.size)), np.empty((count, curve.size)), np.empty((count, kernel.TESTS))
         re, im, counts = np.empty((count, n)), np.empty((count, n)), np.empty(count, np.int64)
         kernel.points_between(
-            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, a.z,
-            a.tangent, b.z, b.tangent, np.array(fractions), np.array(lengths), curve.parameters(base.z), curve.active,
-            frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t, tests, re, im, counts,
+            *self._functions, n, self.base.copy(), self._slots, base.z, base.tangent, a.z, a.tangent, b.z, b.tangent,
+            np.array(fractions), np.array(lengths), curve.parameters(base.z), curve.active, frame.scale,
+            min(settings.tolerance, 1e-9), self._trust, z, t, tests, re, im, counts,
         )  # fmt: skip
-        rows = zip(z, t, tests, counts.tolist(), re + 1j * im, strict=True)
-        found = [None if row[3] < 0 else Sample(*row) for row in rows]
-        return found if self.has_stability else [s and timeless.sample_without(s) for s in found]
+        return z, t, tests, counts.tolist(), re + 1j * im
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         parameters = self.curve.parameters(guess)

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.location.rest_of_step import has_no_room
 from contin.continuation.problem import Chunk, Sample, Stop
+from contin.kernels.rest_of_step import are_straight
 from contin.problems.no_derivatives import NoDerivatives
 from contin.records import Fields
 
@@ -135,7 +135,8 @@ def _is_straight(a: Place | None, b: Place, c: Place) -> bool:
         return False
     if not (np.isfinite([*a, *b, *c]).all() and a[0] < b[0] < c[0]):
         return True
-    return has_no_room(a[1], b[1], c[1], (b[0] - a[0]) / (c[0] - a[0]))
+    left, middle, right = np.array([[a[1]], [b[1]], [c[1]]])
+    return bool(are_straight(left, middle, right, (b[0] - a[0]) / (c[0] - a[0])))
 
 
 def _between(

@@ -59,6 +59,17 @@ class AlgebraicProblem(EquilibriumProblem):
         found = super().points_between(base, ends, lengths, fractions, frame, settings)
         return None if found is None else [_without_stability(sample) for sample in found]
 
+    def tests_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> tuple[Array, Sequence[int]] | None:  # fmt: skip
+        found = super().tests_between(base, ends, lengths, fractions, frame, settings)
+        if found is None:
+            return None
+        tests, counts = found
+        tests[:, CONSIDERED:] = 1.0
+        return tests, [min(count, 0) for count in counts]
+
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         fold, determinant = (bool(x) for x in a.tests[:CONSIDERED] * b.tests[:CONSIDERED] < 0.0)
         if determinant:

@@ -17,6 +17,7 @@ from typing import Protocol
 import numpy as np
 
 from contin.abi import Array, Vector
+from contin.kernels.defining import BRANCH, FOLD, PAIR
 from contin.machine.elementary import cos
 
 NEWTON_BUDGET = 30
@@ -52,6 +53,19 @@ class Local(Protocol):
 
     def hessian(self, y: Array, v: Vector) -> Vector:
         """The matrix D^2F(y)[v, .] (n, n + 1) for a direction v (n + 1,), real or complex."""
+
+    def bordered(self, kind: int, b: Vector, c: Vector, shift: float = 0.0, unit: float = 1.0) -> Evaluated | None:
+        """Defining equations as `contin.kernels.defining` has them (kind, borders); None where no kernel does."""
+
+
+class Evaluated(Protocol):
+    """What `System` needs, by one kernel call each."""
+
+    def at(self, x: Array) -> tuple[Array, Array]: ...
+
+    def values(self, x: Array) -> Array: ...
+
+    def terms(self, x: Array) -> Array: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,13 +251,16 @@ def fold(local: Local, y: Array) -> Solved | None:
     n = local.n
     b, c = singular_basis(local.linearise(y)[1][:, :n], 1)
 
-    return newton(_real_critical(local, b, c, np.zeros((n, n))), y, n)
+    return newton(_real_critical(local, b, c, 0.0), y, n)
 
 
 def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
     """F = 0 and [F_u F_p] of rank n - corank: n + corank (corank + 1) equations, consistent at a true branch point."""
     n = local.n
     b, c = singular_basis(local.linearise(y)[1], corank)
+    compiled = local.bordered(BRANCH, b, c) if corank == 1 else None
+    if compiled is not None:
+        return newton(System(compiled.at, compiled.values, compiled.terms), y, n)
 
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
@@ -296,6 +313,9 @@ def _critical_pair(
     identity = local.identity
     b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
     unit = abs(angle) or 1.0
+    compiled = local.bordered(PAIR, b, c, unit=unit) if corank == 1 else None
+    if compiled is not None:
+        return System(compiled.at, compiled.values, compiled.terms)
 
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x[: n + 1])
@@ -335,12 +355,16 @@ def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
     identity = local.identity
     b, c = singular_basis(local.linearise(y)[1][:, :n] - value * identity, 1)
 
-    return newton(_real_critical(local, b, c, value * identity), y, n)
+    return newton(_real_critical(local, b, c, value), y, n)
 
 
-def _real_critical(local: Local, b: Array, c: Array, shift: Array) -> System:
-    """F = 0 and F_u - shift (n, n) bordered by b, c, of corank 1."""
+def _real_critical(local: Local, b: Array, c: Array, value: float) -> System:
+    """F = 0 and F_u - value I bordered by b, c, of corank 1."""
     n = local.n
+    compiled = local.bordered(FOLD, b, c, value)
+    if compiled is not None:
+        return System(compiled.at, compiled.values, compiled.terms)
+    shift = value * local.identity
 
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)

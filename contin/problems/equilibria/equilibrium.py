@@ -208,6 +208,15 @@ class EquilibriumProblem(AlgebraicEquations):
             return None
         return in_kernel.points_between(self, base, ends, lengths, fractions, frame, settings)
 
+    def tests_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> tuple[Array, Sequence[int]] | None:  # fmt: skip
+        compiled = self.system.jacobian_address != NO_FUNCTION
+        if not compiled or is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return None
+        return in_kernel.tests_between(self, base, ends, lengths, fractions, frame, settings)
+
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return at_parameter(self, guess, value, scale)
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.metric import far_from_zero
@@ -21,6 +22,13 @@ if TYPE_CHECKING:
 _NO_TANGENT: Final = np.empty(0)
 NO_GROWTH: Final = -1.0  # in place of an angle's period: a state whose size does not matter
 TURN: Final = 0.01  # scaled: see `trust`
+
+
+def complex_of(re: Array, im: Array) -> NDArray[np.complex128]:
+    """re + i im, without arrays in between."""
+    values = np.empty(re.shape, complex)
+    values.real, values.imag = re, im
+    return values
 
 
 def trust(problem: AlgebraicEquations) -> float:
@@ -60,7 +68,7 @@ def march(
         nearby = z[m - 1] + frame.scale * info[1] * t[m - 1]
         detail = problem.system.explain(nearby[:n], problem.full_parameters(nearby)) or ""
     return Chunk(
-        z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
+        z[:m], t[:m], tests[:m], unstable[:m], complex_of(re[:m], im[:m]), lengths[:m], stop,
         float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
     )  # fmt: skip
 
@@ -70,6 +78,25 @@ def points_between(
     fractions: Sequence[float], frame: Frame, settings: Settings,
 ) -> Sequence[Sample | None]:  # fmt: skip
     """See `contin.continuation.problem.Problem.points_between`."""
+    z, t, tests, counts, re, im = _between(problem, base, ends, lengths, fractions, frame, settings)
+    rows = zip(z, t, tests, counts, complex_of(re, im), strict=True)
+    return [None if row[3] < 0 else Sample(*row) for row in rows]
+
+
+def tests_between(
+    problem: AlgebraicEquations, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float],
+    fractions: Sequence[float], frame: Frame, settings: Settings,
+) -> tuple[Array, Sequence[int]]:  # fmt: skip
+    """See `contin.continuation.problem.Problem.tests_between`."""
+    _, _, tests, counts, _, _ = _between(problem, base, ends, lengths, fractions, frame, settings)
+    return tests, counts
+
+
+def _between(
+    problem: AlgebraicEquations, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float],
+    fractions: Sequence[float], frame: Frame, settings: Settings,
+) -> tuple[Array, Array, Array, list[int], Array, Array]:  # fmt: skip
+    """z, tangents, tests, counts (-1 where there is no point), real and imaginary parts of the eigenvalues."""
     (a, b), count, n = ends, len(fractions), problem.n
     z, t, tests = np.empty((count, n + 1)), np.empty((count, n + 1)), np.empty((count, kernel.TESTS))
     re, im, counts = np.empty((count, n)), np.empty((count, n)), np.empty(count, np.int64)
@@ -79,8 +106,7 @@ def points_between(
         min(settings.tolerance, 1e-9), trust(problem), frame.reference, z, t, tests, re, im, counts,
         *memory_of(n, len(problem.base)),
     )  # fmt: skip
-    rows = zip(z, t, tests, counts.tolist(), re + 1j * im, strict=True)
-    return [None if row[3] < 0 else Sample(*row) for row in rows]
+    return z, t, tests, counts.tolist(), re, im
 
 
 def probes(
@@ -96,6 +122,5 @@ def probes(
         im, counts,
         *memory_of(problem.n, len(problem.base)),
     )  # fmt: skip
-    values = re + 1j * im
-    rows = zip(z, t, tests, counts.tolist(), values, strict=True)
+    rows = zip(z, t, tests, counts.tolist(), complex_of(re, im), strict=True)
     return [None if row[3] < 0 else Sample(*row) for row in rows]

@@ -15,6 +15,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.machine.elementary import log
 from contin.problems.equilibria.defining import generic
+from contin.problems.equilibria.defining_in_kernel import BorderedEquations, bordered_equations
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -76,6 +77,11 @@ class ScaledSystem:
     def hessian(self, y: Array, v: Vector) -> Vector:
         matrix = self.problem.hessian(y * self.scale, v * self.scale)
         return np.asarray(matrix * self.scale / self._rows[:, None])
+
+    def bordered(
+        self, kind: int, b: Vector, c: Vector, shift: float = 0.0, unit: float = 1.0
+    ) -> BorderedEquations | None:
+        return bordered_equations(self, kind, b, c, shift, unit)
 
     @property
     def _rows(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -169,21 +169,20 @@ def _with(point: Verified, **changes: Any) -> Verified:
     return replace(point, **changes)
 
 
-def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
-    """Points of the curve on both sides of y, even where J is singular all along; [] where there are none."""
-    found = []
+def _beside(local: ScaledSystem, y: Array, tangent: Array) -> Iterator[Array | None]:
+    """Points of the curve on both sides of y, even where J is singular all along; None where there is none."""
     for side in (-BESIDE, BESIDE):
         at = y + side * tangent
         for _ in range(4):  # minimum-norm Newton steps, which singular Jacobians do not disturb
             f, jacobian = local.linearise(at)
             if not (np.isfinite(f).all() and np.isfinite(jacobian).all()):
-                return []
+                yield None
+                return
             step = np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
             at = at - step
             if np.abs(step).max() < SETTLED:
                 break
-        found.append(at)
-    return found
+        yield at
 
 
 def _singular_values(*jacobians: Array) -> list[NDArray[np.floating]]:
@@ -210,29 +209,31 @@ def _balancing_units(*jacobians: Array) -> Array:
 
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
     """True where the Jacobian loses as much rank beside the point, on the curve, as at it."""
-    beside = _beside(local, y, tangent)
-    jacobians = [local.linearise(at)[1] for at in (y, *beside)]
-    if not all(np.all(np.isfinite(m)) for m in jacobians):
-        return False  # the equations have no value there, so nothing is a point of the branch
-    at_point, *around = _singular_values(*jacobians)
-    for singular in around:
-        if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
-            return False
-    return bool(beside)
+    jacobians = [local.linearise(y)[1]]
+    for at in _beside(local, y, tangent):
+        jacobians.append(np.full_like(jacobians[0], np.nan) if at is None else local.linearise(at)[1])
+        if not np.isfinite(jacobians).all():
+            return False  # the equations have no value there, so nothing is a point of the branch
+        at_point, *around = _singular_values(*jacobians)
+        for singular in around:
+            if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
+                return False
+    return True
 
 
 def _critical_throughout(
     problem: AlgebraicEquations, local: ScaledSystem, y: Array, pair: complex, tangent: Array, count: int
 ) -> bool:
     """True where `count` pairs stay on the stability boundary along the branch: centres of a conservative system."""
-    beside = _beside(local, y, tangent)
-    for at in beside:
+    for at in _beside(local, y, tangent):
+        if at is None:
+            return False
         values, rates = spectrum(problem.linear_part(at * local.scale))
         chosen = np.argsort(np.abs(values - pair))[:count]
         distance = np.abs(np.abs(values) - 1.0) if problem.is_map else np.abs(values.real)
         if np.any(distance[chosen] > CENTRE * noises(values, rates)[chosen]):
             return False
-    return bool(beside)
+    return True
 
 
 def _branch_point(
@@ -302,7 +303,7 @@ def _accept(
     # at a multiple branch point Newton's method for a simple one stops where the others are no more than its error
     crowded = bool(np.any(np.abs(beyond) < (CRITICAL if type_ == "BP" else SINGULAR) * sizes))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
-    if is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
+    if others.size and is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
         beyond = np.where(np.abs(beyond) <= np.delete(errors_of(problem, z, values, frame.scale), chosen), 0.0, beyond)
     approximate = max((limit.accuracy for limit in problem.system.limits), default=0.0)
     error = (solved.error + approximate * solved.sensitivity) * float(frame.scale[-1]) + rounding
