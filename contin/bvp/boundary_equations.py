@@ -14,12 +14,13 @@ from contin.bvp.two_point import TwoPoint, two_point
 from contin.bvp.workspace import Workspace
 from contin.continuation.problem import Problem
 from contin.errors import InputError
+from contin.kernels.boundary_march import Conditions, new_conditions
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.mesh.layout import Profile, profile_of, sizes_of
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
-LONGEST_CHUNK = 50
+LONGEST_CHUNK = 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ class BoundaryEquations(Problem):
     kind = "bvp"
     adaptive = True
     locus = None
+    closed = False
     maximum_chunk = LONGEST_CHUNK
     is_map = False
 
@@ -74,6 +76,12 @@ class BoundaryEquations(Problem):
             system.value_address, system.jacobian_address, self.two.period.address, 1, self.n, self.points, self.active,
             scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(self.n),
         )  # fmt: skip
+
+    @cached_property
+    def at_ends(self) -> Conditions:
+        """The kernels' view of the conditions."""
+        address = self.two.conditions.jacobian_address
+        return new_conditions(address, self.n, len(self.two.parameters))  # type: ignore[no-untyped-call,no-any-return]
 
     def with_active(self, name: str, z: Array) -> Self:
         """The same solutions with another parameter varying; the present one is frozen at its value in z."""

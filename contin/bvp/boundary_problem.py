@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.bvp import special_points
+from contin.bvp import marched, special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
-from contin.bvp.functionals import columns_of, own_column
+from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import undetermined
-from contin.bvp.sizes import couplings, filled, noticed
-from contin.continuation import march as python_march
+from contin.bvp.sizes import couplings, filled, moved, noticed
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
@@ -37,7 +36,7 @@ SAME = 1e-6  # difference of two solutions, relative to their sizes, up to which
 
 @dataclass(frozen=True, eq=False)
 class BoundaryProblem(BoundaryEquations):
-    """The equations of `BoundaryEquations`, followed by the march in Python."""
+    """The equations of `BoundaryEquations`, followed by a compiled march."""
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
@@ -68,14 +67,15 @@ class BoundaryProblem(BoundaryEquations):
         here = linearise(self, z, fixed, np.ones_like(z))
         motion = np.zeros(self.n)
         if here is not None and here.sign != 0.0:
-            moved = here.solve(np.append(np.zeros(z.size - 1), 1.0))[: profile.u.size].reshape(-1, self.n)
-            found = np.abs(moved).max(axis=0) * width
+            response = here.solve(np.append(np.zeros(z.size - 1), 1.0))[: profile.u.size].reshape(-1, self.n)
+            found = np.abs(response).max(axis=0) * width
             motion = np.where(np.isfinite(found), found, 0.0)
         declared = np.zeros(self.n)
         declared[: self.two.n_states] = self.two.model.scales(self.constants())
         coupling = couplings(self, z)
         seen = noticed(np.where(declared > 0.0, declared, size), coupling)
-        grown = np.where(seen > 0.0, np.maximum(seen, np.minimum(motion, SENSITIVITY_CAP * seen)), motion)
+        grown = np.where(seen > 0.0, np.maximum(seen, np.minimum(motion, SENSITIVITY_CAP * seen)), 0.0)
+        grown = moved(grown, motion, coupling)
         sizes = noticed(np.where(declared > 0.0, declared, grown), coupling)
         return filled(sizes, coupling)
 
@@ -93,11 +93,10 @@ class BoundaryProblem(BoundaryEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        still = replace(self, angle_periods=np.zeros(origin.z.size - 1))
-        return python_march.march(still, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return marched.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        return python_march.probe(self, base, length, guess, frame, settings)
+        return marched.probe(self, base, length, guess, frame, settings)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return special_points.at_parameter(self, guess, value, scale)
@@ -119,6 +118,10 @@ class BoundaryProblem(BoundaryEquations):
 
     def columns(self, z: Array) -> dict[str, Array]:
         return columns_of(self, z)
+
+    def functions_at(self, z: Array) -> dict[str, Array]:
+        """The independent variable as `t`, and the states, at the nodes."""
+        return functions_at(self, z)
 
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives, for user values."""
@@ -172,7 +175,7 @@ class BoundaryProblem(BoundaryEquations):
         if trouble:
             return trouble
         profile = self.profile(z)
-        error, _ = estimate(profile, np.maximum(np.abs(profile.u).max(axis=0), 1e-300))
+        error, _ = estimate(profile, np.maximum(np.abs(profile.u).max(axis=0), 1e-300), closed=False)
         if error > 100.0 * self.tolerance:
             return (
                 f"The mesh of {profile.intervals} intervals does not resolve the solution (estimated error "

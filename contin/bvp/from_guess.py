@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ MESHES = (20, 40, 80, 160)  # intervals of the first mesh: as many as the guess 
 RESOLVED = 0.02  # ... which is met to this part of its sizes
 SAMPLED = 1281  # points at which the formulas of a guess are evaluated
 ROUNDS = 6  # of meshes
+ROUNDING = 1e-10  # part of the size of a function below which it is what remains of a zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,14 +111,21 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
                 f"{profile.parameter:.10g}: Newton's method does not converge. Start from formulas in "
                 f"{_time(problem)} closer to the solution, or at another parameter value. {problem.trouble(z)}"
             )
-        profile = problem.profile(found)
+        profile = _without_rounding(problem.profile(found), sizes)
+        found = profile.vector()
         sizes = np.maximum(np.abs(profile.u).max(axis=0), 1e-9 * sizes)
-        mesh = choose_mesh(profile, sizes, problem.tolerance, problem.intervals)
+        mesh = choose_mesh(profile, sizes, problem.tolerance, problem.intervals, closed=False)
         if len(mesh.h) == profile.intervals and np.allclose(mesh.h, profile.h, rtol=0.2):
             return found
         profile = profile.on_mesh(mesh.h)
     last = problem.at_parameter(profile.vector(), profile.parameter, _unit(problem, profile))
     return profile.vector() if last is None else last
+
+
+def _without_rounding(profile: Profile, sizes: Array) -> Profile:
+    """The solution with zeros in place of functions that Newton's method has left at rounding of their size."""
+    left = np.abs(profile.u).max(axis=0) <= ROUNDING * sizes
+    return replace(profile, u=np.where(left, 0.0, profile.u))
 
 
 def _unit(problem: BoundaryProblem, profile: Profile) -> Array:

@@ -44,6 +44,17 @@ def own_column(problem: BoundaryEquations, name: str, z: Array) -> Array:
     return np.asarray(z[:, k].copy())
 
 
+def functions_at(problem: BoundaryEquations, z: Array) -> dict[str, Array]:
+    """The independent variable as `t`, and the states, at the nodes of a solution."""
+    two, profile = problem.two, problem.profile(z)
+    values = dict(zip(two.parameters, problem.full_parameters(z)[:-1].tolist(), strict=True))
+    values.update({name: float(profile.u[0, two.n_states + k]) for k, name in enumerate(two.free)})
+    interval = two.model.interval
+    assert interval is not None
+    t = _evaluated(interval.start, values) + _evaluated(two.length, values) * profile.times
+    return {"t": t, **dict(zip(two.model.state_names, profile.u.T[: two.n_states], strict=True))}
+
+
 def _fill(problem: BoundaryEquations, z: Array, out: dict[str, tuple[Array, NDArray[np.intp]]]) -> None:
     two, m = problem.two, problem.points
     first = problem.profile(z[0])

@@ -17,6 +17,7 @@ from contin.abi import Array
 if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
 
+FAINT: Final = 1e-8  # part of the noticed size below which a motion may be what Newton's method has left
 UNNOTICED: Final = 1e-11  # part of the noticed size that may be what remains of a zero after a Newton step
 
 
@@ -36,6 +37,21 @@ def couplings(problem: BoundaryEquations, z: Array) -> Array:
 def noticed(sizes: Array, coupling: Array) -> Array:
     """`sizes` (n,), zero where no equation notices them."""
     return np.where(sizes > UNNOTICED * _noticeable(sizes, coupling), sizes, 0.0)
+
+
+def moved(seen: Array, motion: Array, coupling: Array) -> Array:
+    """Sizes (n,): those that are seen, else how far the parameter moves a function, if one that is known notices it.
+
+    Where nothing but rounding moves a whole cluster of functions, its members notice one another.
+    """
+    known = seen.copy()
+    for _ in range(len(seen)):
+        natural = _noticeable(known, coupling)
+        new = (known == 0.0) & (natural > 0.0)
+        if not new.any():
+            break
+        known[new] = np.where(motion[new] > FAINT * natural[new], motion[new], natural[new])
+    return np.where(known > 0.0, known, motion)
 
 
 def filled(sizes: Array, coupling: Array) -> Array:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Address, Array
 from contin.errors import InputError
 from contin.lowering.calls import Call, Calls, make_call
 from contin.lowering.machine import MachineCode, compile_routines
@@ -157,6 +157,12 @@ class Conditions:
         """D^k g along k >= 2 real directions (2 n + m,), (n,)."""
         ends = np.concatenate([first, last])
         return self._calls.form(self._function(len(directions)), ends, p, directions)[: self.n]
+
+    @property
+    def jacobian_address(self) -> Address:
+        """Of (u(0) and u(1), p, g, G): g (2 n,) and its derivatives (2 n, 2 n + m), zero in their last n rows."""
+        self._function(1)
+        return self._code[1][0].addresses["conditions"]
 
     def _function(self, order: int) -> Call:
         """Derivatives of this order: the Jacobian, or a form."""

@@ -217,7 +217,7 @@ class CycleConnection:
         count = int(FINE + PER_TURN * turns)
         fine = self._on(problem, one, values, np.full(count, 1.0 / count))
         sizes = np.maximum(np.abs(fine.u).max(axis=0), 1e-12)
-        return self._on(problem, one, values, choose_mesh(fine, sizes, GUESSED, None).h)
+        return self._on(problem, one, values, choose_mesh(fine, sizes, GUESSED, None, closed=False).h)
 
     def _on(self, problem: BoundaryProblem, one: Approach, values: dict[str, float], h: Array) -> Profile:
         two, m, n = problem.two, POINTS, self.system.n

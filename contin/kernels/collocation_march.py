@@ -366,7 +366,7 @@ def follow(
     for i in range(TESTS):
         out_tests[0, i] = tests[i]
     out_unstable[0] = unstable
-    out_error[0] = mesh_error(z, n, m, intervals, top, error_constant, sizes, density)
+    out_error[0] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
     swing = amplitude(z, n, count, sizes)
     guard_blocks = 0
     for k in range(limit):
@@ -419,7 +419,7 @@ def follow(
             out_z[row, j] = z[j]
         for i in range(TESTS):
             out_tests[row, i] = tests[i]
-        out_error[row] = mesh_error(z, n, m, intervals, top, error_constant, sizes, density)
+        out_error[row] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
         info[0] = row
         angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
         h_used = h

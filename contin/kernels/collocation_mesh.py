@@ -5,12 +5,14 @@ import math
 from contin.kernels.compile import kernel
 
 
-@kernel("f1, i, i, i, f1, f, f1, f1 -> f")
-def mesh_error(z, n, m, intervals, top, constant, sizes, density):
+@kernel("f1, i, i, i, b, f1, f, f1, f1 -> f")
+def mesh_error(z, n, m, intervals, closed, top, constant, sizes, density):
     """Estimated largest error inside an interval, relative to `sizes` (n,); density (N,) receives |u^(m + 1)|.
 
     The m-th derivative is constant on an interval; its differences between neighbours give u^(m + 1). The error at the
     mesh points themselves (and of T and p) is of order 2 m, much smaller.
+
+    closed : the last interval's neighbour is the first one (of periodic solutions); else both ends have one neighbour.
     """
     nodes = (intervals * m + 1) * n
     for i in range(intervals):
@@ -28,9 +30,10 @@ def mesh_error(z, n, m, intervals, top, constant, sizes, density):
                 here += top[j] * z[(i * m + j) * n + k]
             here /= h**m
             jump = 2.0 * abs(here - previous) / ((h + h_previous) * sizes[k])
-            before = i - 1 if i > 0 else intervals - 1
-            density[before] = max(density[before], jump)
-            density[i] = max(density[i], jump)
+            if i > 0 or closed:
+                before = i - 1 if i > 0 else intervals - 1
+                density[before] = max(density[before], jump)
+                density[i] = max(density[i], jump)
             previous = here
             h_previous = h
     largest = 0.0

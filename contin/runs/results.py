@@ -33,6 +33,8 @@ class OrbitSamples:
 
 def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
     problem: Any = branch.problem
+    if branch.kind == "bvp":
+        return {"orbit": problem.functions_at(point.z)}
     if branch.kind != "orbit" and has_fields(problem):
         return {"fields": point.fields}
     profile: Profile | None = problem.profile(point.z) if branch.kind == "orbit" else problem.orbit_at(point.z)

@@ -39,7 +39,7 @@ def fortran(model: Model, start: Any = None, parameters: Any = None) -> str:
     u, p = model.start_point(start, parameters)
     places = {name: f"u({k + 1})" for k, name in enumerate(model.state_names)}
     places |= {name: f"par({k + 1})" for k, name in enumerate(model.parameter_names)}
-    formulas = [f"f({k + 1}) = {_formula(to_text(value), places)}" for k, value in enumerate(model.equations)]
+    formulas = [f"f({k + 1}) = {formula(to_text(value), places)}" for k, value in enumerate(model.equations)]
     values = [f"par({k + 1}) = {float(x)!r}d0" for k, x in enumerate(p)]
     values += [f"u({k + 1}) = {float(x)!r}d0" for k, x in enumerate(u)]
     body = [
@@ -62,10 +62,10 @@ def fortran(model: Model, start: Any = None, parameters: Any = None) -> str:
     ]
     for name in ("bcnd", "icnd", "fopt", "pvls"):
         body += [f"subroutine {name}", "end subroutine"]
-    return "\n".join(_continued(line) for line in body) + "\n"
+    return "\n".join(continued(line) for line in body) + "\n"
 
 
-def _formula(text: str, places: Mapping[str, str]) -> str:
+def formula(text: str, places: Mapping[str, str]) -> str:
     """A formula in Fortran: numbers in double precision, whole exponents as such, names as elements of u and par."""
 
     def literal(match: re.Match[str]) -> str:
@@ -76,7 +76,7 @@ def _formula(text: str, places: Mapping[str, str]) -> str:
     return re.sub(r"(?<![\w.])[A-Za-z_]\w*", lambda name: places.get(name[0], name[0]), numbers)
 
 
-def _continued(line: str) -> str:
+def continued(line: str) -> str:
     return "&\n&".join(line[k : k + 100] for k in range(0, len(line), 100))
 
 
@@ -100,8 +100,7 @@ class Auto:
 
     def run(self, **constants: Any) -> tuple[float, int]:
         """Processor time of one run, and its steps."""
-        text = "".join(f"{name}={_value(value)}\n" for name, value in (CONSTANTS | constants).items())
-        (self.folder / "fort.2").write_text(text)
+        (self.folder / "fort.2").write_text(as_constants(CONSTANTS | constants))
         for number in (7, 8, 9):
             (self.folder / f"fort.{number}").unlink(missing_ok=True)
         environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -121,6 +120,11 @@ class Auto:
     def _rows(self) -> list[list[str]]:
         rows = [text.split() for text in (self.folder / "fort.7").read_text().splitlines()]
         return [row for row in rows if row[0] != "0"]
+
+
+def as_constants(constants: Mapping[str, Any]) -> str:
+    """AUTO's file of constants."""
+    return "".join(f"{name}={_value(value)}\n" for name, value in constants.items())
 
 
 def _value(value: Any) -> str:

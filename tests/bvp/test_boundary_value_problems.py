@@ -283,3 +283,34 @@ def test_three_branch_points_within_one_step_are_three_labels(e):
     for point, place in zip(line.points, (1 - 2 * e, 1 - e, 1.0), strict=True):
         assert abs(point.values["q"] - place) <= point.error
         assert point.normal_form["kind"] == "pitchfork"
+
+
+def test_both_ends_of_an_interval_have_one_neighbour():
+    """u' = 5 u is steep at one end alone: nothing refines the mesh at the other, whose neighbour it is not."""
+    parts = {
+        "kind": "bvp", "states": {"u": "exp(5*t)"}, "parameters": {"a": {"value": 1, "range": [1, 2]}},
+        "equations": {"u": "5*u"}, "conditions": ["u(start) = a"],
+    }  # fmt: skip
+    line = follow(parts, "a", (1, 2))
+    h = line.problem.profile(line.z[-1]).h
+    assert h[0] == pytest.approx(h.max(), rel=0.05)
+    assert h[-1] < 0.5 * h[0]
+    assert line.columns["u.end"] == pytest.approx(line.columns["a"] * np.exp(5.0), rel=1e-8)
+
+
+def test_a_state_of_rest_has_the_natural_sizes_of_what_is_zero_there():
+    """Libration points: x is found to rounding, and what rounding makes of the velocities is no size."""
+    parts = {
+        "kind": "bvp", "states": {"x": 0.74091, "y": 0, "u": 0, "v": 0},
+        "parameters": {"T": {"value": 1.21, "range": [1.2, 1.3]}, "m": 0.04},
+        "definitions": {"a": "(1 - m)/sqrt((x + m)^2 + y^2)^3", "b": "m/sqrt((x - 1 + m)^2 + y^2)^3"},
+        "equations": {
+            "x": "T*u", "y": "T*v", "u": "T*(2*v + x - a*(x + m) - b*(x - 1 + m))", "v": "T*(-2*u + y - (a + b)*y)",
+        },
+        "conditions": ["y(start) = 0", "u(start) = 0", "y(end) = 0", "u(end) = 0"],
+    }  # fmt: skip
+    line = follow(parts, "T", (1.2, 1.3))
+    x = line.columns["x.start"][0]
+    c = 0.96 / (x + 0.04) ** 3 + 0.04 / (0.96 - x) ** 3
+    point = line["BP1"]
+    assert abs(point.values["T"] - np.pi / np.sqrt((2 - c + np.sqrt(9 * c * c - 8 * c)) / 2)) <= point.error < 1e-9

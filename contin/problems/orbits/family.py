@@ -93,6 +93,10 @@ class FamilyOfOrbits(InOneParameterProblem):
         p[self.active] = z[-1]
         return p
 
+    @property
+    def closed(self) -> bool:
+        return True
+
     @cached_property
     def state_periods(self) -> Array:
         """Period of each state (n,), 0 where it is not an angle."""

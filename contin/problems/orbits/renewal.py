@@ -54,10 +54,10 @@ def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float) -> 
     grown = np.maximum(sizes, state_growth(problem, profile, sizes))
     longer = 2.0 * profile.period if profile.period > period else period
     h = profile.h
-    estimated = estimate(profile, grown)
+    estimated = estimate(profile, grown, problem.closed)
     error, fixed = estimated[0], problem.intervals
     if error > NEARLY * problem.tolerance or fixed != len(h):
-        chosen = choose_mesh(profile, grown, problem.tolerance, fixed, estimated)
+        chosen = choose_mesh(profile, grown, problem.tolerance, fixed, estimated, problem.closed)
         unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
         if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
             h = chosen.h

@@ -35,13 +35,18 @@ class MeshChoice:
     error: float
 
 
-def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
-    """Largest error inside an interval relative to the states' sizes, and |u^(m + 1)| of every interval."""
+def estimate(profile: Profile, sizes: Array, closed: bool = True) -> tuple[float, Array]:
+    """Largest error inside an interval relative to the states' sizes, and |u^(m + 1)| of every interval.
+
+    closed : the solution is periodic, and its last interval followed by the first.
+    """
     scheme = basis(profile.m)
     density = np.empty(profile.intervals)
     error = mesh_error(
-        profile.vector(), profile.n, profile.m, profile.intervals, scheme.top, scheme.error, sizes, density
+        profile.vector(), profile.n, profile.m, profile.intervals, closed, scheme.top, scheme.error, sizes, density
     )
+    if not closed:
+        return float(error), density
     low, high = np.abs(profile.u).min(axis=0), np.abs(profile.u).max(axis=0)
     first, last = profile.u[0], profile.u[-1]  # of a connecting orbit they differ, and do not follow one another
     closed = np.abs(last - first) <= CLOSED * np.maximum(np.abs(first), np.abs(last))
@@ -64,19 +69,20 @@ def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
 
 
 def choose_mesh(
-    profile: Profile, sizes: Array, tolerance: float, fixed: int | None, estimated: tuple[float, Array] | None = None
-) -> MeshChoice:
+    profile: Profile, sizes: Array, tolerance: float, fixed: int | None, estimated: tuple[float, Array] | None = None,
+    closed: bool = True,
+) -> MeshChoice:  # fmt: skip
     """A mesh for this orbit with the error below `tolerance`, or with `fixed` intervals.
 
-    estimated : what `estimate` says of the orbit, where it is known.
+    estimated : what `estimate` says of the orbit, where it is known.  closed : as there.
     """
     order = profile.m + 1
-    error, density = estimate(profile, sizes) if estimated is None else estimated
+    error, density = estimate(profile, sizes, closed) if estimated is None else estimated
     if not np.isfinite(error) or not density.any():
         h = np.full(fixed or max(profile.intervals, SMALLEST), 0.0)
         h[:] = 1.0 / len(h)
         return MeshChoice(h, error)
-    monitor = _smoothed(elementary.pow(density, 1.0 / order), profile.h)
+    monitor = _smoothed(elementary.pow(density, 1.0 / order), profile.h, closed)
     monitor = np.maximum(monitor, FLOOR * float(monitor @ profile.h))
     total = float(monitor @ profile.h)
     constant = basis(profile.m).error
@@ -87,10 +93,11 @@ def choose_mesh(
     return MeshChoice(np.diff(mesh), constant * elementary.pow(total / count, order))
 
 
-def _smoothed(values: Array, h: Array) -> Array:
-    """Averaged with both neighbours (periodic): the estimate is rough, and lengths should change gradually."""
-    weighted = np.concatenate([values[-1:], values, values[:1]])
-    lengths = np.concatenate([h[-1:], h, h[:1]])
+def _smoothed(values: Array, h: Array, closed: bool) -> Array:
+    """Averaged with both neighbours: the estimate is rough, and lengths should change gradually."""
+    first, last = (slice(-1, None), slice(0, 1)) if closed else (slice(0, 1), slice(-1, None))
+    weighted = np.concatenate([values[first], values, values[last]])
+    lengths = np.concatenate([h[first], h, h[last]])
     weighted *= lengths
     around: Array = (weighted[:-2] + 2.0 * values * h + weighted[2:]) / (lengths[:-2] + 2.0 * h + lengths[2:])
     return np.asarray(np.maximum(around, 0.5 * values))

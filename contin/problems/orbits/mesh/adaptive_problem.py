@@ -24,6 +24,10 @@ class Meshed(Protocol):
         """Their number where it is fixed."""
 
     @property
+    def closed(self) -> bool:
+        """Whether solutions are periodic."""
+
+    @property
     def state_periods(self) -> Array:
         """Period of each function (n,), 0 where it is not an angle."""
 

@@ -1,0 +1,97 @@
+"""Demos of AUTO-07p whose numbers nobody prints: against literature, or another method from the same point."""
+
+import json
+from math import atan, pi, sin
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp, solve_ivp
+
+from tests.cli.calls import call
+from tests.cli.test_auto_demos import FOLDER
+
+
+def found_by(name, folder, *options):
+    out = folder / "out.json"
+    call("run", str(FOLDER / f"{name}.yaml"), "--quiet", *options, "--json", str(out))
+    return {branch["name"]: branch for branch in json.loads(out.read_text())["branches"]}
+
+
+def labelled(branch, type_):
+    return [p for p in branch["points"] if p["type"] == type_]
+
+
+def test_cycles_of_chuas_circuit_double_where_their_monodromy_matrix_says_so(tmp_path):
+    """chu: by Dormand and Prince's method the orbit closes, and has the multiplier -1."""
+    branches = found_by("chu", tmp_path, "--orbits")
+    points = [p for name in ("cycles", "doubled") for p in labelled(branches[name], "PD")]
+    assert len(points) >= 2
+    for point in points:
+        alpha, start = point["values"]["alpha"], [point["orbit"][name][0] for name in "xyz"]
+
+        def rates(_, w, alpha=alpha):
+            x, y, z = w[:3]
+            h, slope = 2 / 7 * x, 2 / 7
+            for sign in (1, -1):
+                s = x + sign
+                h -= sign * 3 / 14 * 2 / pi * s * atan(10 * s)
+                slope -= sign * 3 / 14 * 2 / pi * (atan(10 * s) + 10 * s / (1 + 100 * s * s))
+            matrix = np.array([[-alpha * slope, alpha, 0], [1, -1, 1], [0, -14.3, 0]])
+            return np.concatenate([[alpha * (y - h), x - y + z, -14.3 * y], (matrix @ w[3:].reshape(3, 3)).ravel()])
+
+        whole = np.concatenate([start, np.eye(3).ravel()])
+        end = solve_ivp(rates, (0, point["values"]["period"]), whole, "DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+        assert end[:3] == pytest.approx(start, abs=1e-5)
+        assert np.abs(np.linalg.eigvals(end[3:].reshape(3, 3)) + 1).min() < 1e-4
+
+
+def test_a_forced_cell_responds_as_a_trajectory_does(tmp_path):
+    """frc at bet = 50: the response closes after a period of the forcing."""
+    (point,) = labelled(found_by("frc", tmp_path, "--orbits")["frequency"], "UZ")
+
+    def rates(t, y):
+        v, w = y
+        return [(v * (v - 0.5) * (1 - v) - w) / 0.005, v - w - 0.5 - 0.2 * sin(50 * t)]
+
+    start = [point["orbit"][name][0] for name in "vw"]
+    end = solve_ivp(rates, (0, 2 * pi / 50), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    assert end == pytest.approx(start, abs=1e-6)
+
+
+def test_swirling_flow_turns_where_the_literature_has_it(tmp_path):
+    """kar: folds of Zandbergen and Dijkstra (1977); Karman's disc draws in 0.88447411 (Rogers and Lance 1960)."""
+    flows = found_by("kar", tmp_path)["flows"]
+    folds = [p["values"]["g"] for p in labelled(flows, "LP")][::-1]  # the branch runs down from g = 1
+    assert folds[:2] == pytest.approx([-0.16053876, 0.07452563], abs=1e-8)
+    assert labelled(flows, "UZ")[-1]["values"]["f"] == pytest.approx(0.88447411 / 2, abs=1e-6)
+
+
+def test_layers_are_those_of_another_solver(tmp_path):
+    """spb at eps = 1e-3: scipy's collocation stays at the solution, and has its slope at the left end."""
+    points = labelled(found_by("spb", tmp_path, "--orbits")["ends"], "UZ")
+    assert [p["values"]["gam"] for p in points] == pytest.approx([-1, 1], abs=1e-9)
+    for point in points:
+        gam, orbit = point["values"]["gam"], {k: np.array(v) for k, v in point["orbit"].items()}
+        rates = lambda x, y: [y[1], (y[0] * y[1] * (y[0] ** 2 - 1) + y[0]) * 1e3]  # noqa: E731
+        ends = lambda a, b, gam=gam: [a[0] - 1.5, b[0] - gam]  # noqa: E731
+        keep = np.append(np.diff(orbit["t"]) > 0, True)
+        guess = np.array([orbit["u"], orbit["v"]])[:, keep]
+        other = solve_bvp(rates, ends, orbit["t"][keep], guess, tol=1e-7, max_nodes=20000)
+        assert other.success
+        assert other.y[1, 0] == pytest.approx(point["values"]["v.start"], rel=1e-5)
+        assert np.abs(other.sol(orbit["t"][keep])[0] - guess[0]).max() < 1e-5
+
+
+def test_halo_orbits_are_those_of_howells_table(tmp_path):
+    """r3b at mass ratio 0.04: Lyapunov's and the vertical orbits leave the libration point with half the periods of its
+    modes; halo orbits (x, z, y', T/2) as in Howell (1984), table I."""
+    branches = found_by("r3b", tmp_path)
+    m, x = 0.04, branches["point"]["columns"]["x.start"][0]
+    c = (1 - m) / (x + m) ** 3 + m / (1 - m - x) ** 3
+    planar = (2 - c + (9 * c * c - 8 * c) ** 0.5) / 2  # frequency^2
+    half = sorted([pi / planar**0.5, pi / c**0.5])
+    assert [p["values"]["T"] for p in labelled(branches["point"], "BP")] == pytest.approx(half, abs=1e-9)
+    names = ("x.end", "z.end", "v.end", "T")
+    seen = [[p["values"][name] for name in names] for p in labelled(branches["halo"], "UZ")]
+    for row in ([0.723268, -0.04, 0.198019, 1.300177], [0.801125, -0.299382, 0.312474, 1.017241]):
+        assert min(np.abs(np.array(one) - row).max() for one in seen) < 2e-6
