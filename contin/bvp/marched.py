@@ -21,7 +21,7 @@ from contin.problems.orbits.mesh.adaption import WORTHWHILE, estimate
 CONTROLS: Final = 9
 PROBE_TOLERANCE: Final = 1e-9
 UNRESOLVED: Final = 2  # ... on a mesh whose error is `ROUGH` times the tolerance: layers form, or move
-ROUGH: Final = 30.0
+ROUGH: Final = 3.0
 NO_VALUES: Final = np.zeros(0, complex)
 
 
@@ -34,13 +34,13 @@ def march(
     sizes = problem.sizes(origin.z, frame.scale)
     error, _ = estimate(profile, sizes, closed=False)
     fixed = problem.intervals is not None
-    rows = _chunk(profile.n, profile.intervals) if fixed or error <= ROUGH * problem.tolerance else UNRESOLVED
+    rows = _chunk(profile.n, profile.intervals) if error <= ROUGH * problem.tolerance else UNRESOLVED
     out = Rows.of(min(limit, rows) + 1, origin.z.size, kernel.TESTS, 0)
     out.z[0], out.t[0] = origin.z, origin.tangent
     controls = np.array([
         step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
         settings.newton_tolerance, length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
-        max(problem.tolerance, (30.0 if fixed else 3.0) * error), WORTHWHILE if fixed else 0.0,
+        max(problem.tolerance, ROUGH * error), WORTHWHILE if fixed else 0.0,
     ])  # fmt: skip
     reason = _call(problem, MARCH, out, frame.scale, controls, len(out.z) - 1, bounds, before, loop)
     return out.chunk(STOPS[reason], float(out.info[3]), int(out.info[4]))

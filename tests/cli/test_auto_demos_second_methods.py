@@ -67,7 +67,7 @@ def test_swirling_flow_turns_where_the_literature_has_it(tmp_path):
 
 
 def test_layers_are_those_of_another_solver(tmp_path):
-    """spb at eps = 1e-3: scipy's collocation stays at the solution, and has its slope at the left end."""
+    """spb at eps = 1e-3: scipy's collocation stays at the solution, at the mesh points (every fourth node)."""
     points = labelled(found_by("spb", tmp_path, "--orbits")["ends"], "UZ")
     assert [p["values"]["gam"] for p in points] == pytest.approx([-1, 1], abs=1e-9)
     for point in points:
@@ -76,10 +76,10 @@ def test_layers_are_those_of_another_solver(tmp_path):
         ends = lambda a, b, gam=gam: [a[0] - 1.5, b[0] - gam]  # noqa: E731
         keep = np.append(np.diff(orbit["t"]) > 0, True)
         guess = np.array([orbit["u"], orbit["v"]])[:, keep]
-        other = solve_bvp(rates, ends, orbit["t"][keep], guess, tol=1e-7, max_nodes=20000)
+        other = solve_bvp(rates, ends, orbit["t"][keep], guess, tol=1e-6, max_nodes=20000)
         assert other.success
         assert other.y[1, 0] == pytest.approx(point["values"]["v.start"], rel=1e-5)
-        assert np.abs(other.sol(orbit["t"][keep])[0] - guess[0]).max() < 1e-5
+        assert np.abs(other.sol(orbit["t"][::4])[0] - orbit["u"][::4]).max() < 1e-6
 
 
 def test_halo_orbits_are_those_of_howells_table(tmp_path):
