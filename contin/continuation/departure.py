@@ -85,9 +85,9 @@ class Departure:
     def arm(
         self, sense: int, targets: Sequence[Wanted] = (), march: Callable[..., Chunk] | None = None
     ) -> tuple[Arm, list[Piece]] | End:
-        """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk.
+        """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk; or its end.
 
-        Or why there is none.
+        The end says why there is no arm.
         """
         seed, problem = self.seed, self.seed.problem
         outward = _outward(seed, self.start, sense, self.bounds)

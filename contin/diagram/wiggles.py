@@ -19,7 +19,7 @@ EVEN: Final = 1e-6  # of the parameter's range: folds so near the homoclinic val
 def beside_homoclinic(branch: Branch, point: SpecialPoint) -> bool:
     """True for a point at which one of the infinitely many families is born that are not followed.
 
-    Of a family that was doubled before none is.
+    Where a family has been doubled before, none of those born on it is followed.
     """
     for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
         if not end.data.get("spiral"):

@@ -28,10 +28,7 @@ NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate alon
 
 
 def tests_at(problem: CurveOfPoints, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-    """Tests from index 2 on, the number of eigenvalues on the unstable side without the critical ones.
-
-    All eigenvalues.
-    """
+    """Tests from index 2 on, the number of unstable eigenvalues without the critical ones, and all eigenvalues."""
     matrix = scaled_matrix(problem, z)
     values = np.linalg.eigvals(matrix).astype(complex)
     values = values[np.lexsort((-values.imag, -values.real))]

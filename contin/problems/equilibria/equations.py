@@ -48,9 +48,9 @@ class AlgebraicEquations(InOneParameterProblem):
         return f, matrices
 
     def form(self, z: Array, *directions: Vector) -> Vector:
-        """D^kf(z)[d1, .., dk] of the model's equations (for k >= 2 the same as of F), directions (n + 1,) = (state.
+        """D^kf(z)[d1, .., dk] of the model's equations; for k >= 2 the same as of F.
 
-        Active parameter), real or complex.
+        directions : (n + 1,) = (state, active parameter), real or complex.
         """
         n, width = self.n, self.n + len(self.base)
         wide = []

@@ -56,9 +56,9 @@ HALF: Final = number(Fraction(1, 2))
 def second_order_terms(
     oscillators: WeakOscillators, system: SlowSystem, form: AveragedForm
 ) -> tuple[AveragedForm, tuple[Limit, ...]]:
-    """The form of the terms of order eps in slow time (eps^2 in t) alone: its equations, and observables of rates.
+    """The terms of order eps in slow time (eps^2 in t) alone, as a form, and the limits within which they hold.
 
-    And where they hold.
+    The form has the equations of these terms, and observables of rates.
     """
     if oscillators.kicks:
         raise InputError(
