@@ -55,11 +55,23 @@ def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[i
     rows = np.vstack([before[None], piece.z]) if len(piece.z) else before[None]
     falls = []
     for floor in floors:
+        if floor.together and _is_far(rows.T[list(floor.together)], piece.scale[list(floor.together)]):
+            continue
         above = floor.heights(rows, piece.scale) > SMALL
         fallen = np.flatnonzero(above[:-1] & (~above[1:] | _leads_through(floor, rows, piece.scale)))
         if fallen.size:
             falls.append((int(fallen[0]), floor))
     return min(falls, key=lambda fall: fall[0]) if falls else None
+
+
+def _is_far(unknowns: Array, scale: Array) -> bool:
+    """True where unknowns (m, K) do not vanish together on any row or chord, for few operations; false says nothing.
+
+    Where a chord leads through, no unknown at its ends is farther from zero than the chord is long, or hardly so.
+    """
+    lowest = np.abs(unknowns).min(axis=1) / scale
+    moved = np.abs(np.diff(unknowns, axis=1)).max(axis=1, initial=0.0) / scale
+    return bool(lowest.max() > 2.0 * np.linalg.norm(moved) + SMALL)
 
 
 def _leads_through(floor: Floor, rows: Array, scale: Array) -> NDArray[np.bool_]:
