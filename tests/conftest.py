@@ -8,6 +8,7 @@ rounding may do anywhere (`tests/noise.py`): the tests must pass with each.
 `pytest -m fast` runs the core in under a minute once the kernels are compiled: what is in `FAST`, marked here.
 """
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -29,6 +30,8 @@ if os.environ.get("CONTIN_TEST_NOISE"):
 settings.register_profile("contin", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("contin")
 
+gc.disable()  # collecting makes half a million objects and no garbage: a quarter of its time was spent looking for some
+
 FAST = """
     continuation kernels lowering machine model normalforms simulate symbolic
     systems/functions loci/equilibria problems/maps/test_maps.py problems/equilibria/test_corners.py
@@ -45,6 +48,12 @@ SLOW = """
     symbolic/test_remove_singularities.py symbolic/test_second_order.py
 """.split()
 HERE = Path(__file__).parent
+
+
+def pytest_collection_finish():
+    """What was collected lives to the end, and is not looked through again."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_runtest_setup(item):

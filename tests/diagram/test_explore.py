@@ -158,7 +158,7 @@ def test_all_equilibria_of_a_ring_of_three_cells():
     assert_same_points(solutions(diagram, 0.9), by_search(equations, "u0 u1 u2", 0.9, starts=1500))
 
 
-@pytest.mark.parametrize("cells", [6, 8])
+@pytest.mark.parametrize("cells", [6, pytest.param(8, marks=pytest.mark.long)])
 def test_branches_that_only_the_order_of_the_ring_tells_apart(cells):
     """First branch point with wave number 1: its kernel has dimension 2, and 2 n half-branches are n whole ones."""
     names = " ".join(f"u{k}" for k in range(cells))

@@ -22,6 +22,7 @@ ACCURACY = 1e-12  # of the place (scaled arclength)
 TURNING = 1e-6  # part of the tangent below which the parameter stands still
 SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
 SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
+CLEAR = 1e6  # times the scatter, beyond which that of rows, at Newton's tolerance, is no question
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
 # of rounding errors in succession
@@ -78,7 +79,7 @@ class Extremum:
             return None
         bend = _derivative([self.slope(stretch, sample) for sample in beside])
         rounding = self.rounding(problem, near.z, scale)
-        if not self._stands_out(problem, near, beside, ends, rising, rounding):
+        if not self._stands_out(stretch, near, beside, ends, rising, rounding):
             return None
         size = float(np.abs(self.values(problem, near.z[None]))[0])
         width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
@@ -95,17 +96,35 @@ class Extremum:
         return Found(stretch.length_of(near), point, near)
 
     def _stands_out(
-        self, problem: Problem, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,
+        self, stretch: Stretch, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,
         rounding: float,
     ) -> bool:  # fmt: skip
-        """True where the column is lower (at a maximum) at the ends by more than its scatter next to the point."""
-        close = np.array([*(sample.z for sample in beside), at.z])
-        values = self.values(problem, close)
+        """True where the column is lower (at a maximum) at the ends by more than its scatter at all three places.
+
+        Rows are known to Newton's tolerance, and may scatter more than the points next to the extremum do. Where the
+        column falls by more than `CLEAR` times that nobody looks.
+        """
+        value = float(self.values(stretch.problem, at.z[None])[0])
+        drops = (value - self.values(stretch.problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
+        scatter = self._scatter(stretch.problem, beside, at) + rounding
+        if drops.max() <= CLEAR * scatter:
+            scatter += sum(self._scatter_of_row(stretch, end) for end in ends)
+        return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
+
+    def _scatter_of_row(self, stretch: Stretch, row: Sample) -> float:
+        """How far the column changes when the row is solved for again, from guesses on all sides of it."""
+        problem, scale = stretch.problem, stretch.frame.scale
+        guesses = row.z + STEP * scale * SIGNS[:, np.arange(row.z.size) % SIGNS.shape[1]]
+        solved = [problem.probe(row, 0.0, guess, stretch.frame, stretch.settings) for guess in guesses]
+        places = np.array([row.z, *(sample.z for sample in solved if sample is not None)])
+        return float(np.ptp(self.values(problem, places)))
+
+    def _scatter(self, problem: Problem, beside: Sequence[Sample], at: Sample) -> float:
+        """How far the column is off a parabola at a point of the curve and at those beside it."""
+        values = self.values(problem, np.array([*(sample.z for sample in beside), at.z]))
         s = np.array([*SIDES, 0.0]) / STEP
         fit = np.stack([np.ones_like(s), s, elementary.square(s)], axis=1)
-        scatter = float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max()) + rounding
-        drops = (values[-1] - self.values(problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
-        return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
+        return float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max())
 
     def _beside(self, stretch: Stretch, at: Sample) -> list[Sample] | None:
         """Four points of the curve next to `at`; None where it cannot be followed there."""

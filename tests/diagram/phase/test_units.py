@@ -32,7 +32,7 @@ def census(p, q):
     return stable, len(roots)
 
 
-@pytest.mark.parametrize(("u", "v"), [(SMALL, LARGE), (LARGE, SMALL)])
+@pytest.mark.parametrize(("u", "v"), [pytest.param(SMALL, LARGE, marks=pytest.mark.long), (LARGE, SMALL)])
 def test_two_switches_have_their_states_in_every_region(u, v):
     diagram = contin.phase(switches(u, v), ("p", "q"), {"p": (-0.6, 0.6), "q": (-0.5, 0.6)})
     assert sum(r.area for r in diagram.regions) == pytest.approx(1.0, abs=1e-6)
