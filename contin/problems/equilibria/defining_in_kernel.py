@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -13,11 +13,24 @@ from contin.kernels.defining import BRANCH, FOLD, PAIR
 from contin.lowering.system import CompiledSystem
 
 if TYPE_CHECKING:
-    from contin.problems.equilibria.scaled import ScaledSystem
+    from contin.problems.equilibria.equations import AlgebraicEquations
 
 MOST: Final = 20  # states: beyond, LAPACK's blocks are faster than plain loops
 NONE: Final = np.empty(0)
 NO_MATRICES: Final = np.empty((0, 0, 0))
+
+
+class Scaled(Protocol):
+    """What kernels are told of equations in scaled unknowns (`contin.problems.equilibria.scaled`)."""
+
+    @property
+    def problem(self) -> AlgebraicEquations: ...
+    @property
+    def n(self) -> int: ...
+    @property
+    def scale(self) -> Array: ...
+    @property
+    def rates(self) -> Array | None: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +62,7 @@ class BorderedEquations:
 
 
 def bordered_equations(
-    local: ScaledSystem, kind: int, b: Vector, c: Vector, shift: float = 0.0, unit: float = 1.0
+    local: Scaled, kind: int, b: Vector, c: Vector, shift: float = 0.0, unit: float = 1.0
 ) -> BorderedEquations | None:
     """The equations with these borders, (n, 1) and (columns, 1), of BRANCH (n + 1, 2); None where Python has them."""
     problem, n = local.problem, local.n
