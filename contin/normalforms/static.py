@@ -12,6 +12,7 @@ from contin.normalforms.linear import EigenPair, null_pair
 from contin.normalforms.result import STATE_ERROR, TRUST
 
 ROUNDING = 1e-13  # some hundred roundings
+EPSILON = 8.0 * float(np.finfo(float).eps)  # of the largest component of a null vector
 StateError: TypeAlias = float | Real | None  # a length, one for each state, or None: from the jet's typical sizes
 
 
@@ -51,14 +52,16 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
     return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift)
 
 
-def second_order_error(
-    jet: Jet, p: Vector, parts: tuple[Vector, ...], whole: tuple[Vector, ...], drift: Real
-) -> float:
+def second_order_error(jet: Jet, p: Vector, parts: tuple[Vector, ...], whole: tuple[Vector, ...], drift: Real) -> float:
     """Estimated error of <p, D^2F[v, w]> (or <p, DF[v]>), a sum of `parts` (n,): cancellation, and that of the point.
 
     drift (n + parameters,) : estimated errors of the states and active parameters; they enter through D^3F[v, w, .].
+    Components of p that vanish are rounding of the others, in units of the states' typical sizes.
     """
     size = sum(float(np.abs(p) @ np.abs(part)) for part in parts)
+    if jet.scale is not None:
+        rounded = EPSILON * float(np.max(np.abs(p) * jet.scale)) / jet.scale
+        size += sum(float(rounded @ np.abs(part)) for part in parts) / TRUST
     eye = np.eye(jet.n + jet.parameters)
     moved = sum(drift[i] * abs(float(np.vdot(p, jet.form(*whole, eye[i])))) for i in np.flatnonzero(drift))
     return float(TRUST * size + moved)

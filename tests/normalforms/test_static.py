@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import contin
 from contin.normalforms.branching import branch_point, simple_directions
 from contin.normalforms.fold import cusp, fold
 from contin.normalforms.linear import null_pair, solve
@@ -170,3 +171,17 @@ def test_bordered_solve_removes_the_part_outside_the_range():
     x = solve(A, rhs, pair.right[:, None], pair.left[:, None])
     np.testing.assert_allclose(A @ x, rhs - pair.right * (pair.left @ rhs), atol=1e-13)
     assert abs(pair.left @ x) < 1e-13
+
+
+def test_coefficients_that_vanish_are_zero_to_their_errors():
+    """Tumour and immune cells (Kuznetsov 1994): a01 = a02 = 0 where there is no tumour; rounding makes 1e-29 of it."""
+    model = contin.Model(
+        "tumour", states={"E": 0.3, "T": 0}, parameters={"d": 0.3},
+        equations={"E": "0.1181 + 1.131*E*T/(20.19 + T) - 0.00311*E*T - d*E", "T": "1.636*T*(1 - 0.002*T) - E*T"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model, {"E": 0.1181 / 0.3, "T": 0}), "d", (0.01, 1.0))
+    form = line["BP1"].normal_form
+    assert line["BP1"].values["d"] == pytest.approx(0.1181 / 1.636, rel=1e-12)
+    assert form["kind"] == "transcritical"
+    for key in ("a01", "a02"):
+        assert abs(form[key]) <= form["errors"][key] < 1e-6
