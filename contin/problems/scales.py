@@ -76,9 +76,9 @@ def state_scales(
         scale = np.where((lengths > 0.0) & (size > near), near, scale)
     scale = np.where(declared > 0.0, declared, scale)
     coupling = np.abs(jacobian[:, :n]) if finite else np.zeros((n, n))
-    balanced, unknown = filled(scale, coupling)
+    balanced, unknown = filled(scale, coupling, lengths=lengths)
     if unknown.any() and usual.any():
-        balanced, unknown = filled(np.where(unknown, usual, scale), coupling)
+        balanced, unknown = filled(np.where(unknown, usual, scale), coupling, lengths=lengths)
     if unknown.any() and growth is not None:
         lengths, second = growth()
         balanced, unknown = filled(np.where(unknown, lengths, scale), coupling, second)

@@ -33,6 +33,7 @@ IN_A_STEP: Final = 100.0  # roundings of the terms of an equation in the natural
 COUPLED_UP_TO: Final = 500  # states of a function, up to which tolerances ask for its eigenvalues
 BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
 SWEEPS: Final = 10  # of balancing
+BENDING: Final = 1e3  # ratio of a state's size to the length over which its equations bend, or its inverse, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,8 @@ def natural_metric(system: System, u: Array, p: Array, seen: Array | None = None
     if guessed.any() and n <= BENDS_UP_TO:
         second, third = pure_derivatives(system, u, full)
         lengths = growth_lengths(np.abs(matrix), second, third)
-        found, guessed = filled(np.where(guessed, lengths, size), np.abs(matrix), second)
+        known = np.where(size > 0.0, size, lengths)
+        found, guessed = filled(np.where(guessed, known, size), np.abs(matrix), second, lengths)
     size = found
     time = 1.0 / rate if rate > 0.0 else 0.0
     if system.kind == "map":
@@ -185,13 +187,18 @@ def growth_lengths(slopes: Array, second: Array, third: Array) -> Array:
     return np.asarray(np.where(np.isfinite(shortest), shortest, 0.0))
 
 
-def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[Array, Array]:
+def filled(
+    scale: Array, coupling: Array, second: Array | None = None, lengths: Array | None = None
+) -> tuple[Array, Array]:
     """Unknown (zero) sizes (n,) so that coupling (n, n) to and from the others is alike; and which are a mere 1.
 
     second : |d^2 F_k / d u_i^2|, (n, n): what drives a state to which nothing couples to first order.
+    lengths : (n,), over which the equations bend in each state; a size as large as that is no rounding error.
     """
     n = scale.size
     known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
+    if lengths is not None:
+        known |= np.isfinite(lengths) & (scale > lengths / BENDING) & (scale < lengths * BENDING)
     result = np.where(known, scale, 1.0)
     found = known.copy()
     unknown = np.flatnonzero(~known)

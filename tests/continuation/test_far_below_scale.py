@@ -1,6 +1,7 @@
 """A parameter that becomes far smaller than its range and matters all the same: stability is that of the rows."""
 
 import numpy as np
+import pytest
 
 import contin
 from contin.model.model import Model
@@ -20,3 +21,23 @@ def test_eigenvalues_are_those_of_the_row_where_the_parameter_is_far_below_its_s
     values = 1.0 - 5.0 * exact * np.exp(5.0 * x[away])
     assert np.abs(branch.eigenvalues[away, 0].real / values - 1.0).max() < 1e-3
     assert branch.notes == ()
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-15, 3e-17])
+@pytest.mark.parametrize("beside", [1.0, 2e4])
+def test_a_small_state_beside_a_large_one_that_is_not_coupled_keeps_its_size(size, beside):
+    """As large as the length over which its equation bends, it is no rounding error: equilibria at a < 0 were invented."""
+    model = Model(
+        "small", states={"x": size, "y": beside}, parameters={"a": 1},
+        equations={"x": f"{size!r}*(a - (x/{size!r})^2)", "y": f"{beside!r} - y"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model), "a", (-1, 2))
+    assert [point.type for point in branch.points] == ["LP"]
+    assert branch.columns["a"].min() > -1e-12
+    np.testing.assert_allclose(np.square(branch.columns["x"] / size), branch.columns["a"], atol=1e-9)
+    growing = Model(
+        "growing", states={"x": 0.1 * size, "y": 0.5 * beside}, parameters={"a": 1},
+        equations={"x": f"a*x*(1 - x/{size!r})", "y": f"{beside!r} - y"},
+    )  # fmt: skip
+    end = contin.simulate(growing, time=3.0, samples=2).columns["x"][-1]
+    assert end / size == pytest.approx(0.1 * np.e**3 / (1.0 + 0.1 * (np.e**3 - 1.0)), rel=1e-8)

@@ -62,6 +62,8 @@ def at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
     length = float(base.tangent @ chord)
     expected = base.tangent if abs(length) < CHORD else 2.0 * chord / length - base.tangent
     expected = expected / np.linalg.norm(expected)
+    if point.vectors.get("crossed"):  # another curve crosses, and the equations have no one tangent there
+        return replace(near, tangent=expected)
     if point.type != "BP" and not point.touches and not stretch.problem.adaptive:  # one branch, and a regular point
         sample = stretch.problem.probe(base, length, point.z.copy(), stretch.frame, stretch.settings)
         if sample is not None and dot(sample.tangent, expected) > ALIGNED:

@@ -106,7 +106,10 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
     if type_ == "ZH" and problem.locus == "HB" and zero_hopf_crossing.is_forced(problem, near.z, frame.scale):
         met = zero_hopf_crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
-            return _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
+            point = _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
+            if isinstance(point, Verified):
+                point = replace(point, vectors={**point.vectors, "crossed": True})
+            return point
     solved = _solved(problem, type_, function, near, frame)
     if type_ == "CP":
         exact = solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT
