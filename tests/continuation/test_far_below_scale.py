@@ -26,7 +26,7 @@ def test_eigenvalues_are_those_of_the_row_where_the_parameter_is_far_below_its_s
 @pytest.mark.parametrize("size", [1e-9, 1e-15, 3e-17])
 @pytest.mark.parametrize("beside", [1.0, 2e4])
 def test_a_small_state_beside_a_large_one_that_is_not_coupled_keeps_its_size(size, beside):
-    """As large as the length over which its equation bends, it is no rounding error: equilibria at a < 0 were invented."""
+    """As large as the length over which its equation bends, it is no rounding error: equilibria were invented."""
     model = Model(
         "small", states={"x": size, "y": beside}, parameters={"a": 1},
         equations={"x": f"{size!r}*(a - (x/{size!r})^2)", "y": f"{beside!r} - y"},

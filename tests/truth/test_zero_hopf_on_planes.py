@@ -129,6 +129,11 @@ def test_one_zero_hopf_point_and_the_other_hopf_curve(seed, reflection):
     check(seed, seed % 2, reflection)
 
 
+def test_the_other_hopf_curve_is_the_other_one_where_the_tangent_at_the_point_is_none():
+    """Two curves cross there: a tangent that was computed at the point was .99 along one of them, and not it."""
+    check(471106, 2)
+
+
 def test_a_generalised_hopf_point_beside_it_is_still_found():
     case = planted(1, bend=4.0)
     hopf = curve(case, "HB")
