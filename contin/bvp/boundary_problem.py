@@ -143,9 +143,9 @@ class BoundaryProblem(BoundaryEquations):
             return Renewal(frame.scale, origin, before, loop)
         scale = make_scale(fit.h, self.points, fit.sizes, 1.0, float(frame.scale[-1]))
         move = Move(self, frame.scale, scale, fit.h)
-        return Renewal(
-            scale, move(origin), None if before is None else move(before), None if loop is None else move(loop)
-        )
+        first, earlier, start = move.each(origin, before, loop)
+        assert first is not None
+        return Renewal(scale, first, earlier, start)
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         one, other = self.profile(a.z), self.profile(b.z)

@@ -16,7 +16,7 @@ import numpy as np
 from contin.kernels.compile import allocating, call3, call4, kernel, vector_kernel
 from contin.kernels.signature import structure
 
-LANES = 4  # up to this many states all intervals are eliminated at once, beyond it one after another
+LANES = 10  # up to this many states all intervals are eliminated at once, beyond it one after another
 
 Equations = namedtuple(
     "Equations",
@@ -144,7 +144,6 @@ def evaluate(e, w, z, with_jacobian):
                 w_u[j, k, i] = z[(i * m + j) * n + k]
     _interpolate(e_values, w_u, w_at)
     here = np.empty(n)
-    total = 0.0
     start = 0.0
     time_column = n + w_p.size - 1
     for i in range(intervals):
@@ -158,25 +157,45 @@ def evaluate(e, w, z, with_jacobian):
                 call4(e_jacobian, here, w_p, w_F, w_J)
                 for k in range(n):
                     for q in range(n):
-                        value = w_J[k, q]
                         if n > LANES:
-                            w_fu[i, c, k, q] = value
+                            w_fu[i, c, k, q] = w_J[k, q]
                         else:
-                            w_fu[c, k, q, i] = value
-                        total += value
-                    value = w_J[k, n + e_active]
-                    w_fp[c, k, i] = value
-                    total += value
+                            w_fu[c, k, q, i] = w_J[k, q]
+                    w_fp[c, k, i] = w_J[k, n + e_active]
                     if e_forcing != 0:
                         w_ft[c, k, i] = w_J[k, time_column]
-                        total += w_J[k, time_column]
             else:
                 call3(e_value, here, w_p, w_F)
             for k in range(n):
                 w_f[c, k, i] = w_F[k]
-                total += w_F[k]
         start += h
+    total = _sum(w_f)
+    if with_jacobian:
+        total += _sum_of_derivatives(w_fu) + _sum(w_fp)
+        if e_forcing != 0:
+            total += _sum(w_ft)
     return math.isfinite(total)
+
+
+@vector_kernel("f3 -> f")
+def _sum(a):
+    total = 0.0
+    for c in range(a.shape[0]):
+        for k in range(a.shape[1]):
+            for i in range(np.uint64(a.shape[2])):
+                total += a[c, k, i]
+    return total
+
+
+@vector_kernel("f4 -> f")
+def _sum_of_derivatives(a):
+    total = 0.0
+    for b in range(a.shape[0]):
+        for c in range(a.shape[1]):
+            for k in range(a.shape[2]):
+                for i in range(np.uint64(a.shape[3])):
+                    total += a[b, c, k, i]
+    return total
 
 
 @vector_kernel("f2, f3, f3")

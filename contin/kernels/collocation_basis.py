@@ -66,7 +66,7 @@ def basis(m: int) -> Basis:
 def interpolation(m: int, at: Array) -> Array:
     """(len(at), m + 1): values at points `at` of [0, 1] from the values at the nodes."""
     differences = np.asarray(at)[:, None] - basis(m).nodes
-    out = np.tile(_normalisation(m), (len(differences), 1))
+    out = np.tile(normalisation(m), (len(differences), 1))
     for k in range(m + 1):
         out[:, :k] *= differences[:, k : k + 1]
         out[:, k + 1 :] *= differences[:, k : k + 1]
@@ -74,7 +74,7 @@ def interpolation(m: int, at: Array) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _normalisation(m: int) -> Array:
+def normalisation(m: int) -> Array:
     """1 / prod_k (x_j - x_k) for every node x_j, k != j."""
     nodes = basis(m).nodes
     return np.asarray(1.0 / np.prod(np.where(np.eye(m + 1), 1.0, nodes[:, None] - nodes), axis=1))

@@ -1,7 +1,7 @@
 """Gaussian elimination of many small matrices at once.
 
-The matrices a[:, :, i] (rows, columns, lanes) are independent. The innermost loops run over the lanes, which are
-contiguous in memory, so they become vector instructions whatever the size of a matrix. Pivots are chosen lane by lane;
+The matrices a[:, :, i] (rows, columns, lanes) are independent. Vector instructions run over the lanes, which are
+contiguous in memory, whatever the size of a matrix (`contin.kernels.lanes`). Pivots are chosen lane by lane;
 rows are exchanged only where the natural pivot is small (threshold pivoting), which is rare on a mesh that resolves the
 solution, so that the lanes stay together.
 """
@@ -9,6 +9,7 @@ solution, so that the lanes stay together.
 import numpy as np
 
 from contin.kernels.compile import vector_kernel
+from contin.kernels.lanes import address, backward_lanes, forward_lanes, subtract_products
 
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
@@ -18,12 +19,16 @@ def eliminate(a, count, candidates, low, high, pivots, work):
     """Eliminate columns 0 .. count - 1 of lanes low .. high - 1, pivots from the first `candidates` rows.
 
     All rows below are updated and multipliers are stored below the diagonal. pivots (count, lanes), work (lanes,).
+    Crout's order: of column k and row k all that was eliminated before is subtracted at once when they are needed.
     Returns the sign of the product of all pivots and row exchanges; 0 where a pivot vanishes or is NaN.
     """
-    rows, width, _ = a.shape
+    rows, width, far = a.shape
+    step, lanes = width * far, high - low
     sign = 1
     first, end = np.uint64(low), np.uint64(high)
     for k in range(count):
+        row, column, here = address(a, k * step + low), address(a, k * far + low), address(a, k * (step + far) + low)
+        subtract_products(here, step, rows - k, 1, row, step, column, step, k, far, lanes)
         for i in range(first, end):
             work[i] = abs(a[k, k, i])
         for r in range(k + 1, candidates):
@@ -35,21 +40,24 @@ def eliminate(a, count, candidates, low, high, pivots, work):
             small += 0 if abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
         if small > 0:
             sign *= _exchange(a, k, candidates, low, high, pivots, work)
+        negative = 0
+        unfit = 0
         for i in range(first, end):
             work[i] = 1.0 / a[k, k, i]
-        negative = 0
-        for i in range(first, end):
             negative += 1 if work[i] < 0.0 else 0
-            if not abs(work[i]) < np.inf:
-                return 0
+            unfit += 0 if abs(work[i]) < np.inf else 1
+        if unfit > 0:
+            return 0
         if negative % 2 == 1:
             sign = -sign
         for r in range(k + 1, rows):
             for i in range(first, end):
                 a[r, k, i] *= work[i]
-            for c in range(k + 1, width):
-                for i in range(first, end):
-                    a[r, c, i] -= a[r, k, i] * a[k, c, i]
+        after, above = address(a, k * step + (k + 1) * far + low), address(a, (k + 1) * far + low)
+        subtract_products(after, step, 1, width - k - 1, row, step, above, step, k, far, lanes)
+    below, rest = address(a, count * step + low), address(a, count * step + count * far + low)
+    right = address(a, count * far + low)
+    subtract_products(rest, step, rows - count, width - count, below, step, right, step, count, far, lanes)
     return sign
 
 
@@ -131,7 +139,8 @@ def _exchange(a, k, candidates, low, high, pivots, largest):
 @vector_kernel("f3, i, i, i, i2, f2")
 def eliminate_right(a, count, low, high, pivots, right):
     """The same operations on right-hand sides (rows, lanes), with the factors of `eliminate`."""
-    rows = a.shape[0]
+    rows, width, far = a.shape
+    step, lanes = width * far, high - low
     for k in range(count):
         for i in range(np.uint64(low), np.uint64(high)):
             p = pivots[k, i]
@@ -139,10 +148,7 @@ def eliminate_right(a, count, low, high, pivots, right):
                 swap = right[k, i]
                 right[k, i] = right[p, i]
                 right[p, i] = swap
-    for k in range(count):
-        for r in range(k + 1, rows):
-            for i in range(np.uint64(low), np.uint64(high)):
-                right[r, i] -= a[r, k, i] * right[k, i]
+    forward_lanes(address(right, low), rows, count, address(a, low), step, far, lanes)
 
 
 @vector_kernel("f3, i, i, i, f2, f2")
@@ -152,13 +158,6 @@ def substitute_back(a, count, low, high, known, right):
     known (width - count, lanes) are the values that belong to the columns from `count` on; the solution replaces
     right[:count].
     """
-    width = a.shape[1]
-    for k in range(count - 1, -1, -1):
-        for c in range(count, width):
-            for i in range(np.uint64(low), np.uint64(high)):
-                right[k, i] -= a[k, c, i] * known[c - count, i]
-        for c in range(k + 1, count):
-            for i in range(np.uint64(low), np.uint64(high)):
-                right[k, i] -= a[k, c, i] * right[c, i]
-        for i in range(np.uint64(low), np.uint64(high)):
-            right[k, i] /= a[k, k, i]
+    width, far = a.shape[1], a.shape[2]
+    step, lanes = width * far, high - low
+    backward_lanes(address(right, low), count, address(a, low), step, address(known, low), width - count, far, lanes)

@@ -20,7 +20,7 @@ import numpy as np
 from contin.kernels.algebraic import TESTS
 from contin.kernels.collocation import evaluate, new_points, residual, set_phase
 from contin.kernels.collocation_mesh import evened, mesh_error
-from contin.kernels.collocation_steps import advance, along, direct, distance, predict
+from contin.kernels.collocation_steps import advance, along, direct, distance, predict, product
 from contin.kernels.collocation_system import factorise, new_factors, solve, solve_start
 from contin.kernels.compile import call3, kernel
 from contin.kernels.condensation import eliminate_intervals
@@ -29,6 +29,7 @@ from contin.kernels.floquet import deflate, multipliers, transitions
 from contin.kernels.signature import structure
 from contin.kernels.steering import (
     BOUND,
+    CLOSE,
     CORNER,
     CORRECTOR,
     DIP,
@@ -42,7 +43,6 @@ from contin.kernels.steering import (
     STAGNATION,
     dipping,
     next_step,
-    passes_start,
     strays,
 )
 from contin.kernels.tests_of_stability import map_tests
@@ -57,6 +57,7 @@ EXACT = 1e-9  # scaled distance within which factors give the tests of a probed 
 PATIENCE = 2.0  # growth of the error after which an even mesh of a fixed number of intervals is looked at again
 MOVED = 0.05  # scaled distance beyond which the corrected point on a new mesh is not the same orbit
 WANTED = 1.5e-3  # first correction, as a part of the orbit's size, that the step control aims at
+OUTGROWN = 2.0  # sizes beyond which a state has another one
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
 
 Scratch = namedtuple(
@@ -78,7 +79,7 @@ Scratch = namedtuple(
         "right",  # (2,)
         "border",  # (2, 2)
         "state",  # (n,)
-        "every",  # (size,) ones: all of z counts where a loop closes
+        "every",  # (size,) ones: all of z counts where a loop closes (of boundary-value problems)
         "none",  # (0,) ... and none of it is an angle
     ],
 )
@@ -177,7 +178,7 @@ def settled(e, w, s, x, here, sign, scale, sizes, tolerance):
         else:
             here[0, j] = z[j]
     set_phase(e, w, z, sizes)
-    return 0 if kept or x.sizes[2] > STALE * min(1.0, amplitude(z, e.n, nodes // e.n, sizes)) else sign
+    return 0 if kept or x.sizes[2] > STALE * min(1.0, extent(z, e.n, nodes // e.n, sizes)[0]) else sign
 
 
 @kernel("Equations, Points, Factors, Scratch -> f")
@@ -254,9 +255,10 @@ def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, 
     return map_tests(x.re, x.im, tests)
 
 
-@kernel("f1, i, i, f1 -> f")
-def amplitude(z, n, count, sizes):
-    """Largest max - min of a state over the orbit, relative to its size."""
+@kernel("f1, i, i, f1 -> (f, f)")
+def extent(z, n, count, sizes):
+    """Largest max - min, and largest modulus, of a state over the orbit, relative to its size."""
+    swing = 0.0
     largest = 0.0
     for k in range(n):
         low = z[k]
@@ -264,20 +266,17 @@ def amplitude(z, n, count, sizes):
         for i in range(count):
             low = min(low, z[i * n + k])
             high = max(high, z[i * n + k])
-        largest = max(largest, (high - low) / sizes[k])
-    return largest
+        swing = max(swing, (high - low) / sizes[k])
+        largest = max(largest, max(high, -low) / sizes[k])
+    return swing, largest
 
 
-@kernel("f1, i, i, f1, f -> b")
-def outgrown(z, n, count, sizes, period_limit):
-    """True where a state has become larger than twice its size, or the period has reached its limit."""
-    if z[count * n] > period_limit:
-        return True
-    for k in range(n):
-        for i in range(count):
-            if abs(z[i * n + k]) > 2.0 * sizes[k]:
-                return True
-    return False
+@kernel("f1, f1, f1, f1, f1, f -> b")
+def back_at_start(z, before, start, tangent, scale, h):
+    """True where the family passes its start, a point of this mesh, between `before` and `z`, in its sense."""
+    if not (along(tangent, before, start, scale) < 0.0 and along(tangent, z, start, scale) >= 0.0):
+        return False
+    return distance(z, start, scale) <= CLOSE * h
 
 
 @kernel(
@@ -367,7 +366,7 @@ def follow(
         out_tests[0, i] = tests[i]
     out_unstable[0] = unstable
     out_error[0] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
-    swing = amplitude(z, n, count, sizes)
+    swing, _ = extent(z, n, count, sizes)
     guard_blocks = 0
     for k in range(limit):
         row = k + 1
@@ -397,9 +396,7 @@ def follow(
                 h = max(0.4 * h, h_min)
                 continue
             unstable = measure(e, w, s, x, scale, sizes, sign, reference, k, row, out_t, tests, out_re, out_im)
-            cosine = 0.0
-            for j in range(size):
-                cosine += tangent[j] * out_t[row, j]
+            cosine = product(tangent, out_t[row])
             if not cosine >= cos_max:
                 if h <= max(h_min, SHORTEST):
                     corner = True
@@ -440,13 +437,13 @@ def follow(
             if dipped >= 0:
                 info[4] = dipped
                 return DIP
-        if loop_z.size == size and passes_start(z, out_z[k], loop_z, loop_tangent, x.every, x.none, scale, h_used):
+        if loop_z.size == size and back_at_start(z, out_z[k], loop_z, loop_tangent, scale, h_used):
             return LOOP
         before = swing
-        swing = amplitude(z, n, count, sizes)
+        swing, largest = extent(z, n, count, sizes)
         if swing < before and swing < SHRINKING * max(h, h_used):
             return RESCALE
-        if outgrown(z, n, count, sizes, period_limit):
+        if largest > OUTGROWN or z[count * n] > period_limit:
             return RESCALE
         if out_error[row] > error_limit:
             if evened(z, n, m, error_constant, density) <= worthwhile * out_error[row] or worthwhile == 0.0:

@@ -2,7 +2,16 @@
 
 import math
 
-from contin.kernels.compile import kernel
+from contin.kernels.compile import inlined, kernel
+
+
+@inlined("f, i -> f")
+def _power(x, exponent):
+    """x^exponent, exponent > 0; one that is not known beforehand takes a function call."""
+    y = x
+    for _ in range(1, exponent):
+        y *= x
+    return y
 
 
 @kernel("f1, i, i, i, b, f1, f, f1, f1 -> f")
@@ -22,13 +31,13 @@ def mesh_error(z, n, m, intervals, closed, top, constant, sizes, density):
         for j in range(m + 1):
             previous += top[j] * z[((intervals - 1) * m + j) * n + k]
         h_previous = z[nodes + intervals]
-        previous /= h_previous**m
+        previous /= _power(h_previous, m)
         for i in range(intervals):
             h = z[nodes + 1 + i]
             here = 0.0
             for j in range(m + 1):
                 here += top[j] * z[(i * m + j) * n + k]
-            here /= h**m
+            here /= _power(h, m)
             jump = 2.0 * abs(here - previous) / ((h + h_previous) * sizes[k])
             if i > 0 or closed:
                 before = i - 1 if i > 0 else intervals - 1
@@ -38,7 +47,7 @@ def mesh_error(z, n, m, intervals, closed, top, constant, sizes, density):
             h_previous = h
     largest = 0.0
     for i in range(intervals):
-        largest = max(largest, constant * z[nodes + 1 + i] ** (m + 1) * density[i])
+        largest = max(largest, constant * _power(z[nodes + 1 + i], m + 1) * density[i])
     return largest if math.isfinite(largest) else math.inf
 
 

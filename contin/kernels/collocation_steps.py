@@ -47,6 +47,15 @@ def along(tangent, z, z0, scale):
     return total
 
 
+@vector_kernel("f1, f1 -> f")
+def product(a, b):
+    """<a, b>"""
+    total = 0.0
+    for j in range(np.uint64(a.size)):
+        total += a[j] * b[j]
+    return total
+
+
 @vector_kernel("f1, f1, f1 -> f")
 def distance(z, z0, scale):
     """|(z - z0) / scale|"""

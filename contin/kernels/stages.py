@@ -12,6 +12,13 @@ other stages go by elimination with pivots; the right end is u_1 = E (u_0, v) wi
 block is the identity and that of u_0 minus the transition matrix. For m = 4 and large n that takes 0.6 of the
 operations of an elimination of the values at the inner nodes, and only the Jacobians have to be filled in.
 
+The blocks of the pair off the diagonal are multiples y, z of the identity, so that with A and D on it, all n x n,
+
+    S = D - y z A^-1,   Z = [ A^-1 + y z A^-1 S^-1 A^-1,  -y A^-1 S^-1;  -z S^-1 A^-1,  S^-1 ]
+
+takes two inverses and three products, 10 n^3 operations and not 16 n^3. Where A^-1 is large beside 1/y or 1/z rounding
+would grow (h T times an eigenvalue near that of A): there Z comes from an inversion of the pair with pivots from both.
+
 The outer pair, because the eigenvalues of its block of D are the farthest from 0 (m = 4: 7.74 +- 1.16 i): Z is missing
 only where h T times an eigenvalue of the Jacobian meets them, growth by e^7 within one interval.
 """
@@ -25,6 +32,8 @@ import numpy as np
 from contin.kernels.collocation_basis import basis
 from contin.kernels.signature import structure
 
+GROWTH = 10.0  # of rounding errors that is let be, as where a pivot is a tenth of the largest candidate
+
 Stages = namedtuple(
     "Stages",
     [
@@ -35,6 +44,8 @@ Stages = namedtuple(
         "borders",  # (2, m + 1, n, N) the border rows' coefficients of (u_0, v)
         "pivots",  # (2 n, N)
         "inverse",  # (2 n, 2 n, N) Z
+        "first",  # (n, n, N or 1) memory: of the first stage alone
+        "last",  # ... and of the last one, without the first
         "timing",  # (2, 2 n, N) Z times the pair's rows of `columns`
         "product",  # (2 n, n or N) memory
         "outer",  # (2 n, N) Z times the pair's right-hand sides
@@ -42,7 +53,7 @@ Stages = namedtuple(
         "vector",  # (2, max(2, m) n) memory
     ],
 )
-structure(Stages, "f2, f2, f3, f4, i2, f3, f3, f2, f2, f2, f2")
+structure(Stages, "f2, f2, f3, f4, i2, f3, f3, f3, f3, f2, f2, f2, f2")
 
 
 def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:
@@ -54,9 +65,10 @@ def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:
         return np.zeros((intervals, *shape) if dense else (*shape, intervals))
 
     pivots = (intervals, 2 * n) if dense else (2 * n, intervals)
+    half = (1, n, n) if dense else (n, n, intervals)
     return Stages(
         nodes, scheme.slopes @ nodes, lanes(2, m * n), lanes(2, m + 1, n),
-        np.zeros(pivots, np.int64), lanes(2 * n, 2 * n), lanes(2, 2 * n),
+        np.zeros(pivots, np.int64), lanes(2 * n, 2 * n), np.zeros(half), np.zeros(half), lanes(2, 2 * n),
         np.zeros((2 * n, n if dense else intervals)), np.zeros((2 * n, intervals)), np.zeros((m * n, intervals)),
         np.zeros((2, max(2, m) * n)),
     )  # fmt: skip

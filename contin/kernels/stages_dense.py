@@ -4,12 +4,90 @@ import numpy as np
 
 from contin.kernels.collocation_dense import invert_dense
 from contin.kernels.compile import vector_kernel
-from contin.kernels.vector import multiply
+from contin.kernels.stages import GROWTH
+from contin.kernels.vector import multiply, subtract_four
 
 
 @vector_kernel("Equations, Points, f, Stages, i, f2 -> i")
 def invert_pair_dense(e, w, period, g, i, panel):
     """g.inverse[i] from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0: one vanishes."""
+    n, m = e.n, e.m
+    inverse, first, last = g.inverse, g.first, g.last
+    y, z = g.differences[0, m], g.differences[m - 1, 1]
+    one = np.uint64(n)
+    _stage(e, w, period, g, i, 0, first)
+    sign = invert_dense(first, 0, g.pivots, panel)
+    if sign == 0 or not _largest(first) * max(abs(y), abs(z)) <= GROWTH:
+        return _invert_together(e, w, period, g, i, panel)
+    _stage(e, w, period, g, i, m - 1, last)
+    for k in range(one):
+        for q in range(one):
+            last[0, k, q] -= y * z * first[0, k, q]
+    sign *= invert_dense(last, 0, g.pivots, panel)
+    if sign == 0:
+        return 0
+    for k in range(one):
+        for q in range(one):
+            inverse[i, k, q] = first[0, k, q]
+            inverse[i, k, one + q] = 0.0
+        for q in range(one):
+            inverse[i, one + k, q] = 0.0
+            inverse[i, one + k, one + q] = last[0, k, q]
+    _subtract_product(inverse, i, 0, n, first, last, 0, 0, 0)
+    _subtract_product(inverse, i, n, 0, last, first, 0, 0, 0)
+    for k in range(one):
+        for q in range(one):
+            inverse[i, k, one + q] *= y
+            inverse[i, one + k, q] *= y * z
+    _subtract_product(inverse, i, 0, 0, first, inverse, i, n, 0)
+    for k in range(one):
+        for q in range(one):
+            inverse[i, one + k, q] /= y
+    return sign
+
+
+@vector_kernel("f3, i, i, i, f3, f3, i, i, i")
+def _subtract_product(c, i, c_row, c_column, f, p, j, p_row, p_column):
+    """C -= F P, all (n, n): F = f[0], C and P the blocks of c[i] and p[j] whose first elements are given."""
+    n, c_step, p_step = f.shape[1], c.shape[2], p.shape[2]
+    c_at, p_at = (i * c.shape[1] + c_row) * c_step + c_column, (j * p.shape[1] + p_row) * p_step + p_column
+    k = 0
+    while k + 4 <= n:
+        subtract_four(c, c_at, c_step, n, p, p_at + k * p_step, p_step, f, k, n, 1, n)
+        k += 4
+    to, by = np.uint64(c_column), np.uint64(p_column)
+    for row in range(k, n):
+        for r in range(n):
+            x = f[0, r, row]
+            for q in range(np.uint64(n)):
+                c[i, c_row + r, to + q] -= x * p[j, p_row + row, by + q]
+
+
+@vector_kernel("Equations, Points, f, Stages, i, i, f3")
+def _stage(e, w, period, g, i, c, out):
+    """out[0] (n, n): the diagonal block of stage c of interval i."""
+    n, fu = e.n, w.fu
+    factor = -period * w.h[i]
+    for k in range(n):
+        for q in range(np.uint64(n)):
+            out[0, k, q] = factor * fu[i, c, k, q]
+        out[0, k, k] += g.differences[c, 1 + c]
+
+
+@vector_kernel("f3 -> f")
+def _largest(a):
+    """Largest modulus of all a[0] (n, n)."""
+    largest = 0.0
+    for k in range(a.shape[1]):
+        for q in range(np.uint64(a.shape[2])):
+            x = abs(a[0, k, q])
+            largest = x if x > largest else largest
+    return largest
+
+
+@vector_kernel("Equations, Points, f, Stages, i, f2 -> i")
+def _invert_together(e, w, period, g, i, panel):
+    """As `invert_pair_dense`, with pivots from both stages."""
     n, m = e.n, e.m
     fu, inverse = w.fu, g.inverse
     factor = -period * w.h[i]

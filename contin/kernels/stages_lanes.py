@@ -4,11 +4,83 @@ import numpy as np
 
 from contin.kernels.collocation_elimination import invert
 from contin.kernels.compile import vector_kernel
+from contin.kernels.lanes import address, subtract_products
+from contin.kernels.stages import GROWTH
 
 
 @vector_kernel("Equations, Points, f, Stages, f1 -> i")
 def invert_pair(e, w, period, g, work):
     """g.inverse from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0 where one vanishes."""
+    n, m = e.n, e.m
+    inverse, first, last = g.inverse, g.first, g.last
+    y, z = g.differences[0, m], g.differences[m - 1, 1]
+    lanes = w.h.size
+    end = np.uint64(lanes)
+    _stage(e, w, period, g, 0, first)
+    sign = invert(first, g.pivots, work)
+    if sign == 0 or not _largest(first) * max(abs(y), abs(z)) <= GROWTH:
+        return _invert_together(e, w, period, g, work)
+    _stage(e, w, period, g, m - 1, last)
+    for k in range(n):
+        for q in range(n):
+            for i in range(end):
+                last[k, q, i] -= y * z * first[k, q, i]
+    sign *= invert(last, g.pivots, work)
+    if sign == 0:
+        return 0
+    for k in range(n):
+        for q in range(n):
+            for i in range(end):
+                inverse[k, q, i] = first[k, q, i]
+                inverse[k, n + q, i] = 0.0
+                inverse[n + k, q, i] = 0.0
+                inverse[n + k, n + q, i] = last[k, q, i]
+    step, half = 2 * n * lanes, n * lanes
+    left, right = address(first, 0), address(last, 0)
+    upper, lower = address(inverse, half), address(inverse, n * step)
+    subtract_products(upper, step, n, n, left, half, right, half, n, lanes, lanes)
+    subtract_products(lower, step, n, n, right, half, left, half, n, lanes, lanes)
+    for k in range(n):
+        for q in range(n):
+            for i in range(end):
+                inverse[k, n + q, i] *= y
+                inverse[n + k, q, i] *= y * z
+    subtract_products(address(inverse, 0), step, n, n, left, half, lower, step, n, lanes, lanes)
+    for k in range(n):
+        for q in range(n):
+            for i in range(end):
+                inverse[n + k, q, i] /= y
+    return sign
+
+
+@vector_kernel("Equations, Points, f, Stages, i, f3")
+def _stage(e, w, period, g, c, out):
+    """out (n, n, N): the diagonal block of stage c."""
+    n, h, fu = e.n, w.h, w.fu
+    x = g.differences[c, 1 + c]
+    for k in range(n):
+        for q in range(n):
+            y = x if k == q else 0.0
+            for i in range(np.uint64(h.size)):
+                out[k, q, i] = y - period * h[i] * fu[c, k, q, i]
+
+
+@vector_kernel("f3 -> f")
+def _largest(a):
+    """Largest modulus of all a (n, n, N)."""
+    n, _, lanes = a.shape
+    largest = 0.0
+    for k in range(n):
+        for q in range(n):
+            for i in range(np.uint64(lanes)):
+                x = abs(a[k, q, i])
+                largest = x if x > largest else largest
+    return largest
+
+
+@vector_kernel("Equations, Points, f, Stages, f1 -> i")
+def _invert_together(e, w, period, g, work):
+    """As `invert_pair`, with pivots from both stages."""
     n, m = e.n, e.m
     h, fu, inverse = w.h, w.fu, g.inverse
     lanes = np.uint64(h.size)

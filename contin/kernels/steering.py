@@ -19,6 +19,7 @@ SHRINK = 0.3  # smallest
 FAR = 20.0  # more than GROWTH to any order up to 4: a correction so far below what is wanted lets the step grow
 RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
 ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a straight line
+CLOSE = 1.5  # steps: distance from its start within which a branch passes it
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
 
 
@@ -123,4 +124,4 @@ def passes_start(z, last_z, loop_z, loop_tangent, seen, periods, scale, h):
         here += loop_tangent[j] * d
         last += loop_tangent[j] * e
         distance += d * d
-    return last < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h
+    return last < 0.0 and here >= 0.0 and math.sqrt(distance) <= CLOSE * h

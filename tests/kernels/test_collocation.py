@@ -83,7 +83,10 @@ def dense_system(e, w, z, tangent, scale, sign_of_end, right, jump, border_right
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(1, 9), st.integers(2, 7), st.integers(2, 11), st.sampled_from([1.0, -1.0]), st.integers(0, 10**6))
+@given(
+    st.sampled_from([1, 2, 3, 4, 6, 9, LANES, LANES + 1, LANES + 4]), st.integers(2, 7), st.integers(2, 11),
+    st.sampled_from([1.0, -1.0]), st.integers(0, 10**6),
+)  # fmt: skip
 def test_condensed_elimination_solves_the_whole_system_and_gives_the_sign_of_its_determinant(
     n, m, intervals, end, seed
 ):

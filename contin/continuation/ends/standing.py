@@ -33,11 +33,14 @@ def until_standing(pieces: Iterable[Piece], arm: Arm) -> Iterator[Piece]:
     at, count = np.nan, 0
     for piece in pieces:
         width = float(piece.scale[-1])
-        for z, multipliers in zip(piece.z, piece.eigenvalues, strict=True):
-            here = float(z[-1])
-            if not (abs(here - at) <= STILL * width and _is_neutral(multipliers)):
-                at, count = here, 0
-            count += 1
+        values = piece.z[:, -1]
+        if len(values) and not (np.abs(values - np.append(at, values[:-1])) <= STILL * width).any():
+            at, count = float(values[-1]), 1  # mostly: the parameter moves in every step
+        else:
+            for here, multipliers in zip(values.tolist(), piece.eigenvalues, strict=True):
+                if not (abs(here - at) <= STILL * width and _is_neutral(multipliers)):
+                    at, count = here, 0
+                count += 1
         yield piece
         if count >= ROWS and not arm.is_over():
             name = arm.problem.parameters[0]

@@ -19,7 +19,7 @@ from numba.core.funcdesc import FunctionDescriptor
 from numba.core.imputils import lower_constant
 from numba.core.typing.typeof import typeof_impl
 
-from contin.kernels.building import pointer_calls, vectors
+from contin.kernels.building import lanes, pointer_calls, vectors
 from contin.kernels.building.types import numba_type
 from contin.kernels.mode import Declaration
 from contin.kernels.signature import Signature, parse
@@ -125,4 +125,5 @@ class NumbaCompiler:
         return njit(inline="always", error_model="numpy")(function)
 
     def intrinsic(self, name: str) -> Any:
-        return getattr(vectors if hasattr(vectors, name) else pointer_calls, name)
+        home = next(module for module in (vectors, lanes, pointer_calls) if hasattr(module, name))
+        return getattr(home, name)

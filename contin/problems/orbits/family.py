@@ -21,6 +21,7 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.scales import parameter_width
 from contin.simulate.reach import first_to_leave, has_reach
 from contin.special.table import test_on_branch
+from contin.symbolic.passes.corotating import frame_generator
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -101,6 +102,11 @@ class FamilyOfOrbits(InOneParameterProblem):
     def state_periods(self) -> Array:
         """Period of each state (n,), 0 where it is not an angle."""
         return np.asarray(self.system.model.periods(self.constants()), dtype=float)
+
+    @cached_property
+    def turning(self) -> Array | None:
+        """Matrix (n, n) of the rotation that the model's frame follows; None where it is in none."""
+        return frame_generator(self.system.model, self.constants())
 
     def width(self, z: Array, bounds: tuple[float, float]) -> float:
         """Scale of the parameter: the width of its range; of an endless one, its size."""

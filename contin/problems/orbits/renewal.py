@@ -37,7 +37,9 @@ def renew(
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(fit.h, profile.m, fit.sizes, fit.period, float(frame.scale[-1]))
     move = Move(problem, frame.scale, scale, fit.h)
-    return Renewal(scale, move(origin), None if before is None else move(before), None if loop is None else move(loop))
+    first, earlier, start = move.each(origin, before, loop)
+    assert first is not None
+    return Renewal(scale, first, earlier, start)
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,3 +32,13 @@ def test_the_highest_peak_may_be_far_from_the_highest_node():
         low, high = extrema(values[None, :, None], 2)
         assert high[0, 0] == pytest.approx(1.0, abs=1e-15)
         assert low[0, 0] == pytest.approx(min(first.min(), second.min()), abs=1e-15)
+
+
+def test_what_has_no_value_at_a_node_has_no_extrema():
+    values = np.random.default_rng(1).standard_normal((3, 9, 2))
+    expected = extrema(values, 4)
+    values[1, 5, 0] = np.nan
+    for found, before in zip(extrema(values, 4), expected, strict=True):
+        assert np.isnan(found[1, 0])
+        found[1, 0] = before[1, 0]
+        np.testing.assert_array_equal(found, before)

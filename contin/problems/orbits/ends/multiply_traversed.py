@@ -33,13 +33,14 @@ SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
 def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
     """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
     later, now = np.split(profile.at(_times(parts).ravel()), 2)
-    return np.asarray((later - now - winding / parts) / _extent(profile, winding))
+    return np.asarray((later - now - winding / parts) / _extent(profile.u, winding))
 
 
-def _extent(profile: Profile, winding: Array) -> float:
-    """The largest of the orbit's extents, and of what it gains in a period."""
-    u = profile.u.T
-    return max(float(np.maximum(u.max(axis=1) - u.min(axis=1), np.abs(winding)).max()), float(np.finfo(float).tiny))
+def _extent(u: Array, winding: Array) -> float:
+    """The largest of an orbit's extents (nodes, n), and of what it gains in a period."""
+    across = u.T
+    extents = np.maximum(across.max(axis=1) - across.min(axis=1), np.abs(winding))
+    return max(float(extents.max()), float(np.finfo(float).tiny))
 
 
 @cache
@@ -61,21 +62,34 @@ def _first_look(m: int, h: bytes) -> Transfer:
     return Transfer.to_times(m, np.frombuffer(h), _first_times().ravel())
 
 
+@lru_cache(maxsize=4)
+def _equal_at_first(m: int, n: int, u: bytes, h: bytes, winding: bytes) -> tuple[int, ...]:
+    """Of `PARTS` those that an orbit may run through: at the first times nothing tells it from its parts.
+
+    The same orbit is asked for by the march that comes to it and by the look for its end.
+    """
+    nodes, gain = np.frombuffer(u).reshape(-1, n), np.frombuffer(winding)
+    values = _first_look(m, h)(nodes)
+    half = len(values) // 2
+    gaps, limit, each = values[:half] - values[half:], EQUAL * _extent(nodes, gain), half // len(PARTS)
+    return tuple(
+        parts for k, parts in enumerate(PARTS) if np.abs(gaps[k * each : (k + 1) * each] - gain / parts).max() < limit
+    )
+
+
 def times_traversed(problem: OrbitEquations, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
     possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
-    winding = np.asarray(problem.winding)
+    winding = np.asarray(problem.winding, dtype=float)
     if winding.any():  # a part of it must be a whole number of turns of every angle
         angles = np.asarray(problem.system.model.periods())[: len(winding)]
         possible = [parts for parts in possible if _are_whole(winding[winding != 0.0] / parts, angles[winding != 0.0])]
     if not possible:
         return 1
     orbit = problem.profile(z)
-    later, now = np.split(_first_look(orbit.m, orbit.h.tobytes())(orbit.u), 2)
-    gaps, limit, each = later - now, EQUAL * _extent(orbit, winding), len(later) // len(PARTS)
-    for k, parts in enumerate(PARTS):
-        gap = gaps[k * each : (k + 1) * each] - winding / parts
-        if parts not in possible or not np.abs(gap).max() < limit:
+    near = _equal_at_first(orbit.m, orbit.n, orbit.u.tobytes(), orbit.h.tobytes(), winding.tobytes())
+    for parts in near:
+        if parts not in possible:
             continue
         here = parts_apart(orbit, winding, parts)
         if not np.abs(here).max() < EQUAL:

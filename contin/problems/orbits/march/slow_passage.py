@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.orbits.mesh.layout import Profile
-from contin.symbolic.passes.corotating import frame_generator
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
@@ -24,20 +23,21 @@ ALONG = 1e-6  # relative residual to which the rotation is an eigenvector of a r
 
 def turning(problem: FamilyOfOrbits, u: Array) -> Array | None:
     """Directions (K, n) in which the frame turns the states u (K, n); None where the model is in none."""
-    matrix = frame_generator(problem.system.model, problem.constants())
+    matrix = problem.turning
     return None if matrix is None else np.asarray(u @ matrix.T)
 
 
 def speeds(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> tuple[Array, float, Array]:
     """Speed between neighbouring nodes, in states relative to their sizes, its mean over the (scaled) period, and the
     times from node to node."""
-    steps = np.diff(profile.u, axis=0) / sizes
-    along = turning(problem, 0.5 * (profile.u[1:] + profile.u[:-1]))
+    steps = (profile.u[1:] - profile.u[:-1]) / sizes
+    along = None if problem.turning is None else turning(problem, 0.5 * (profile.u[1:] + profile.u[:-1]))
     if along is not None:
         along = along / sizes
         squares = np.maximum(np.sum(along * along, axis=1), np.finfo(float).tiny)
         steps = steps - (np.sum(steps * along, axis=1) / squares)[:, None] * along
-    lengths, spans = np.sqrt(np.einsum("ij,ij->i", steps, steps)), np.diff(profile.times)
+    times = profile.times
+    lengths, spans = np.sqrt(np.einsum("ij,ij->i", steps, steps)), times[1:] - times[:-1]
     return lengths / spans, float(lengths.sum()), spans
 
 

@@ -47,14 +47,23 @@ def estimate(profile: Profile, sizes: Array, closed: bool = True) -> tuple[float
     )
     if not closed:
         return float(error), density
-    low, high = np.abs(profile.u).min(axis=0), np.abs(profile.u).max(axis=0)
-    first, last = profile.u[0], profile.u[-1]  # of a connecting orbit they differ, and do not follow one another
-    closed = np.abs(last - first) <= CLOSED * np.maximum(np.abs(first), np.abs(last))
-    small = np.flatnonzero(closed & (np.ptp(np.sign(profile.u), axis=0) == 0.0) & (low < VARYING * high))
+    small = _of_one_sign_and_small(profile)
     if small.size:
         density = np.maximum(density, RELATIVE * _relative_density(profile, small))
         error = max(error, float(np.max(scheme.error * elementary.pow(profile.h, profile.m + 1) * density)))
     return float(error), density
+
+
+def _of_one_sign_and_small(profile: Profile) -> NDArray[np.intp]:
+    """States that keep their sign and are much smaller at times than at others."""
+    across = profile.u.T
+    low, high = across.min(axis=1), across.max(axis=1)
+    varying = np.where(low > 0.0, low < VARYING * high, (high < 0.0) & (high > VARYING * low))
+    if not varying.any():
+        return np.empty(0, np.intp)
+    first, last = profile.u[0], profile.u[-1]  # of a connecting orbit they differ, and do not follow one another
+    closed = np.abs(last - first) <= CLOSED * np.maximum(np.abs(first), np.abs(last))
+    return np.flatnonzero(closed & varying)
 
 
 def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:

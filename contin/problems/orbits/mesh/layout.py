@@ -117,7 +117,8 @@ def node_weights(h: Array, m: int) -> Array:
 
 def profile_of(z: Array, n: int, m: int) -> Profile:
     """Read z (NaN padding on the left is dropped)."""
-    if np.isnan(z[0]):
+    first = float(z[0])
+    if first != first:
         z = z[np.argmax(~np.isnan(z)) :]
     intervals = (z.size - n - 2) // (m * n + 1)
     nodes = (intervals * m + 1) * n

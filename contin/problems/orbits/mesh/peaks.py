@@ -9,7 +9,6 @@ intervals are searched further.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from math import comb
 from typing import Final
@@ -18,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.kernels.collocation_basis import basis, interpolation
+from contin.kernels import extrema as kernel
+from contin.kernels.collocation_basis import basis, interpolation, normalisation
 
 SAMPLES: Final = 8  # parts of an interval, for each degree, at whose ends an extremum is looked for
-TINY: Final = np.finfo(float).tiny
-STEPS: Final = 4  # of Newton's method from the largest sample
 
 
 def extrema(values: Array, m: int) -> tuple[Array, Array]:
@@ -31,17 +29,9 @@ def extrema(values: Array, m: int) -> tuple[Array, Array]:
     values : (R, N m + 1, k) at the nodes of orbits in rows, pieces of degree m. Error: rounding, where a piece has one
     extremum between neighbouring samples.
     """
-    across = np.ascontiguousarray(values.transpose(0, 2, 1))  # of one function after the other
-    flat = across.reshape(-1, across.shape[2])
-    last = flat.shape[1] - m
-    lowest, highest = flat[:, 0:last:m].copy(), flat[:, 0:last:m].copy()  # of each interval's nodes
-    for j in range(1, m + 1):
-        nodes = flat[:, j : last + j : m]
-        np.minimum(lowest, nodes, out=lowest)
-        np.maximum(highest, nodes, out=highest)
-    above = _rise(m) * (highest - lowest)
-    low, high = -_largest(flat, -lowest, above, m, -1.0), _largest(flat, highest, above, m, 1.0)
-    return low.reshape(across.shape[:2]), high.reshape(across.shape[:2])
+    low, high = np.empty(values.shape[::2]), np.empty(values.shape[::2])
+    kernel.extrema(_pieces(m), np.ascontiguousarray(values), low, high)
+    return low, high
 
 
 def may_hold_largest(pieces: Array) -> NDArray[np.bool_]:
@@ -51,47 +41,11 @@ def may_hold_largest(pieces: Array) -> NDArray[np.bool_]:
     return np.asarray(highest + above >= highest.max(axis=1)[:, None])
 
 
-def _largest(flat: Array, highest: Array, above: Array, m: int, sign: float) -> Array:
-    """Largest value of sign * each function (F,) of flat (F, N m + 1).
-
-    highest, above (F, N) : the highest node of each interval, and what the function may rise above it.
-    """
-    best: Array = highest.max(axis=1)
-    rows, columns = np.divmod(np.flatnonzero(highest + above > best[:, None]), highest.shape[1])
-    pieces = sign * flat.ravel().take((rows * flat.shape[1] + columns * m)[:, None] + np.arange(m + 1))
-    polygons = (pieces @ _control(m)).T
-    kept = np.flatnonzero(np.maximum.reduce([*polygons[1:-1]]) > best[rows])  # its ends are nodes
-    rows, pieces = rows[kept], pieces[kept]
-    samples = pieces @ _sampling(m)
-    place = samples.argmax(axis=1)
-    tops = samples[np.arange(len(rows)), place]
-    np.maximum.at(best, rows, tops)
-    searched = np.flatnonzero(tops + _between_samples(m) * (tops - samples.min(axis=1)) >= best[rows])
-    np.maximum.at(best, rows[searched], _tops(pieces[searched], place[searched]))
-    return best
-
-
-def _tops(pieces: Array, place: NDArray[np.intp]) -> Array:
-    """Values of polynomials (K, m + 1) at their tops beside the largest samples: by Newton's method on the slope."""
-    m = pieces.shape[1] - 1
-    series = np.einsum("kij,kj->ki", _series(m)[place], pieces).T  # Taylor's, about the largest sample
-    slopes = [float(power) * series[power] for power in range(m, 0, -1)]
-    bends = [float(power * (power - 1)) * series[power] for power in range(m, 1, -1)]
-    middle, reach = _places(m)[place], 1.0 / (SAMPLES * m)
-    low, high = np.maximum(-reach, -middle), np.minimum(reach, 1.0 - middle)
-    s = np.zeros(len(pieces))
-    for _ in range(STEPS):
-        slope, bend = _horner(slopes, s), _horner(bends, s)
-        s = np.clip(s - slope / np.where(bend < 0.0, bend, -np.abs(slope) / (0.5 * reach) - TINY), low, high)
-    return np.asarray(np.einsum("kj,kj->k", interpolation(m, middle + s), pieces))
-
-
-def _horner(coefficients: Sequence[Array], s: Array) -> Array:
-    """A polynomial at s (K,), the coefficient of its highest power first."""
-    total = coefficients[0]
-    for coefficient in coefficients[1:]:
-        total = total * s + coefficient
-    return total
+def _pieces(m: int) -> kernel.Pieces:
+    """What the kernel needs to know of pieces of degree m, with memory of its own."""
+    tables = _control(m), _sampling(m), _places(m), _series(m), basis(m).nodes, normalisation(m)
+    memory = np.empty((2, m + 1)), np.empty(len(_places(m)))
+    return kernel.Pieces(m, _rise(m), _between_samples(m), 1.0 / (SAMPLES * m), *tables, *memory)
 
 
 @cache
