@@ -17,7 +17,7 @@ from contin.kernels import collocation_march as kernel
 from contin.kernels.collocation_basis import basis
 from contin.kernels.collocation_march import CORRECT, MARCH, PROBE, STABILITY
 from contin.machine import elementary
-from contin.problems.orbits.linearised.resolved_multipliers import resolve, unresolved
+from contin.problems.orbits.linearised.resolved_multipliers import resolve
 from contin.problems.orbits.march.memory import memory_of
 from contin.problems.orbits.march.rows import Rows
 from contin.problems.orbits.march.slow_passage import dwelling
@@ -59,9 +59,7 @@ def march(
         for row in range(max(m - 2, 0), m):
             _measure(family, out, row, measured)
         m, stop = _up_to_first_event(family, out, m, stop, measured)
-    anew = np.flatnonzero(unresolved(family, out.re[:m], out.im[:m], out.tests[:m])).tolist()
-    resolved = [_resolve(family, out, row) for row in anew]
-    if any(resolved):
+    if _resolve(family, out, slice(0, m)):
         changed = np.flatnonzero(np.diff(out.unstable[:m]))
         if changed.size:  # the march may have counted otherwise: what happens in its last step is looked at
             m, stop = (int(changed[0]) + 2, Stop.EVENT) if changed[0] + 2 < m or stop is Stop.LIMIT else (m, stop)
@@ -83,7 +81,7 @@ def probe(
     if count < 0:
         return None
     out.unstable[1] = count
-    _resolve(family, out, 1)
+    _resolve(family, out, slice(1, 2))
     return Sample(out.z[1], out.t[1], out.tests[1], int(out.unstable[1]), out.re[1] + 1j * out.im[1])
 
 
@@ -99,7 +97,7 @@ def multipliers(family: OrbitEquations, z: Array) -> NDArray[np.complex128]:
     out = Rows.of(1, z.size, TESTS, family.n)
     out.z[0], out.t[0] = z, 0.0
     _call(family, STABILITY, out, np.ones_like(z), np.zeros(CONTROLS))
-    resolve(family, z, out.re[0], out.im[0])
+    resolve(family, out.z, out.re, out.im)
     return np.asarray(out.re[0] + 1j * out.im[0])
 
 
@@ -152,11 +150,12 @@ def _measure(family: OrbitEquations, out: Rows, row: int, frame: Frame) -> None:
         out.re[row], out.im[row] = exact.eigenvalues.real, exact.eigenvalues.imag
 
 
-def _resolve(family: OrbitEquations, out: Rows, row: int) -> bool:
-    """Multipliers of a row that a product of matrices does not resolve, from the parts of the equations."""
-    count = resolve(family, out.z[row], out.re[row], out.im[row], out.tests[row])
-    out.unstable[row] = out.unstable[row] if count is None else count
-    return count is not None
+def _resolve(family: OrbitEquations, out: Rows, rows: slice) -> bool:
+    """Multipliers of rows that a product of matrices does not resolve, from the parts of the equations."""
+    counts = resolve(family, out.z[rows], out.re[rows], out.im[rows], out.tests[rows])
+    for row, count in counts.items():
+        out.unstable[rows.start + row] = count
+    return bool(counts)
 
 
 def _chunk(profile: Profile) -> int:
