@@ -8,6 +8,7 @@ faster. The order of the operations on a number is that of the plain loops, and 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from llvmlite import ir
@@ -71,10 +72,7 @@ def _subtract(context: BaseContext, builder: ir.IRBuilder, signature: Signature,
             groups = builder.udiv(builder.sub(rows, done), _word(height))
             with cgutils.for_range(builder, groups) as loop:
                 row = builder.add(done, builder.mul(loop.index, _word(height)))
-                _in_groups(
-                    builder, columns, widths,
-                    lambda column, width, row=row, height=height: tile(row, height, column, width),
-                )  # fmt: skip
+                _in_groups(builder, columns, widths, partial(tile, row, height))
             done = builder.add(done, builder.mul(groups, _word(height)))
     return context.get_dummy_value()
 
