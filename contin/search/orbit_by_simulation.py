@@ -31,6 +31,7 @@ NEAR = 3e-2  # ... and one this close is tried when time is up
 SETTLED = 0.7  # a trajectory whose last part is smaller than this part of the rest is still shrinking
 CLOSED = 1e-9  # ... and one as close as this closes up to rounding, whatever Newton says
 AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
+REPEATED_EXACTLY = 1e-6  # ... of an orbit of no forcing: one that has doubled departs by far more, but at its birth
 REPEATED = 1e-5  # difference (relative to the extent) of a response and itself some periods later, if it repeats
 LONGEST_MULTIPLE = 16  # forcing periods
 CHANCE = 4  # loops from which an unstable orbit is one that a chaotic trajectory came close to by chance
@@ -72,25 +73,32 @@ def orbit_by_simulation(
     """
     near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = _polished(system, near, p, periods, intervals, points)
-    times = _covered(orbit)
-    if times > 1:  # a transient that had nearly gone closed best after several periods of the forcing
-        state, shorter = orbit.profile.u[0], near.period / times
-        near = replace(near, u=state, period=shorter, multiple=near.multiple // times, loops=near.loops // times)
+    times = _covered(orbit, near, periods)
+    if times > 1:  # a transient that had nearly gone closed best after several periods
+        state, shorter, multiple = orbit.profile.u[0], near.period / times, max(near.multiple // times, 1)
+        near = replace(near, u=state, period=shorter, multiple=multiple, loops=max(near.loops // times, 1))
         orbit = _polished(system, near, p, periods, intervals, points)
     refuse_chance(near, orbit)
     return orbit
 
 
-def _covered(orbit: PeriodicOrbit) -> int:
-    """How often a response of several forcing periods repeats itself within them."""
-    times = orbit.profile.times
-    u = orbit.profile.u
+def _covered(orbit: PeriodicOrbit, near: Return, periods: Array) -> int:
+    """How often an orbit of several loops, turns or forcing periods repeats itself within them."""
+    times, u, winding = orbit.profile.times, orbit.profile.u, orbit.winding
     extent = np.maximum(np.ptp(u, axis=0), AT_REST * max(float(np.abs(u).max()), 1e-300))  # more than rounding
-    for count in range(orbit.multiple, 1, -1):
-        if orbit.multiple % count or orbit.winding.any():
+    forced = orbit.system.is_forced
+    turns = np.round(winding / np.where(periods > 0.0, periods, np.inf)).astype(int)
+    if forced:
+        whole, limit = 1 if winding.any() else orbit.multiple, REPEATED
+    else:
+        whole, limit = int(np.gcd.reduce(turns)) if winding.any() else near.loops, REPEATED_EXACTLY
+    for count in range(whole, 1, -1):
+        if whole % count:
             continue
-        shifted = orbit.profile.at(np.mod(times + 1.0 / count, 1.0))
-        if float(np.max(np.abs(shifted - u) / extent)) < REPEATED:
+        later = times + 1.0 / count
+        gained = np.floor(later)[:, None] * winding - winding / count
+        shifted = orbit.profile.at(np.mod(later, 1.0)) + gained
+        if float(np.max(np.abs(shifted - u) / extent)) < limit:
             return count
     return 1
 

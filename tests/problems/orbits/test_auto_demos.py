@@ -92,3 +92,17 @@ def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step()
     (fine, there), (coarse, here) = places
     inside = (coarse > fine.min()) & (coarse < fine.max())
     np.testing.assert_allclose(np.interp(coarse[inside], fine, there), here[inside], atol=1e-4)
+
+
+@pytest.mark.parametrize("eps", [0.93947, 0.939478470001, 0.9394784702686441, 0.9395, 0.95])
+def test_a_rotation_from_a_simulation_is_a_single_turn(eps):
+    """It was two or three where a return after several crossings came closer by rounding; then its family ended."""
+    pendulum = Model(
+        "pendulum", states={"a": angle(1.24), "c": 4.08}, parameters={"eps": eps, "I": 1.0},
+        equations={"a": "c", "c": "-eps*c - sin(a) + I"},
+    )  # fmt: skip
+    orbit = contin.periodic_orbit(pendulum, {}, {"I": 2.0})
+    np.testing.assert_allclose(orbit.winding, [2.0 * np.pi, 0.0], rtol=1e-12)
+    # energy: eps <c^2> = I <c>, <c> = 2 pi / T
+    c2 = orbit.profile.weights @ np.square(orbit.profile.u[:, 1])
+    assert eps * c2 == pytest.approx(2.0 * 2.0 * np.pi / orbit.period, rel=1e-6)
