@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
 
 FAINT: Final = 1e-8  # part of the noticed size below which a motion may be what Newton's method has left
+ROUNDING: Final = 1e-18  # part of a number below which nothing is rounding of it
 UNNOTICED: Final = 1e-11  # part of the noticed size that may be what remains of a zero after a Newton step
 
 
@@ -42,7 +43,8 @@ def noticed(sizes: Array, coupling: Array) -> Array:
 def moved(seen: Array, motion: Array, coupling: Array) -> Array:
     """Sizes (n,): those that are seen, else how far the parameter moves a function, if one that is known notices it.
 
-    Where nothing but rounding moves a whole cluster of functions, its members notice one another.
+    Where nothing but rounding moves a whole cluster of functions, its members notice one another. A motion that is less
+    than rounding of the noticed size is one all the same: the coupling is rounding.
     """
     known = seen.copy()
     for _ in range(len(seen)):
@@ -50,7 +52,8 @@ def moved(seen: Array, motion: Array, coupling: Array) -> Array:
         new = (known == 0.0) & (natural > 0.0)
         if not new.any():
             break
-        known[new] = np.where(motion[new] > FAINT * natural[new], motion[new], natural[new])
+        left = (motion <= FAINT * natural) & ((motion == 0.0) | (motion > ROUNDING * natural))
+        known[new] = np.where(left, natural, motion)[new]
     return np.where(known > 0.0, known, motion)
 
 
