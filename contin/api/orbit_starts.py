@@ -56,6 +56,11 @@ def periodic_orbit(
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
     need_time(model, "periodic orbits")
+    if getattr(model, "kind", "flow") == "map":
+        raise InputError(
+            f"model {model.name!r} is a map, whose cycles are fixed points of its iterates: start from the one that "
+            "iterates settle on (`as: orbit` in a run, contin.find_start), or at a PD of a shorter one"
+        )
     if isinstance(model, Model) and model.events:
         return _with_events(model, start, parameters, transient)
     if isinstance(start, str) and is_auto(model, start):

@@ -94,6 +94,8 @@ class ContinEngine:
         api = _verbs()
         if model.interval is not None:
             return api.boundary_problem(model, run.start, parameters, free=run.free, samples=_table(run.samples))
+        if run.as_ == "orbit" and model.kind == "map" and run.samples is None:
+            return api.find_start(model, parameters, run.start)  # the cycle that its iterates settle on
         if run.as_ == "orbit":
             mesh = {key: run.settings[key] for key in ("intervals", "points", "method") if key in run.settings}
             if run.samples is not None:
