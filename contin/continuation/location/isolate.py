@@ -342,7 +342,7 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
             yield Found(length, anchored_on_branch(item, stretch.base), at_point(stretch, a, item))
-            if _is_elsewhere(stretch, a, b, item, length):
+            if corner is None and _is_elsewhere(stretch, a, b, item, length):  # at a corner tests need not be small
                 yield _lost(stretch, a)
         elif isinstance(item, Jump):
             yield Note(where(stretch, a, item.text), jump=stretch.length_of(b))
