@@ -56,11 +56,7 @@ def periodic_orbit(
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
     need_time(model, "periodic orbits")
-    if getattr(model, "kind", "flow") == "map":
-        raise InputError(
-            f"model {model.name!r} is a map, whose cycles are fixed points of its iterates: start from the one that "
-            "iterates settle on (`as: orbit` in a run, contin.find_start), or at a PD of a shorter one"
-        )
+    _need_flow(model)
     if isinstance(model, Model) and model.events:
         return _with_events(model, start, parameters, transient)
     if isinstance(start, str) and is_auto(model, start):
@@ -87,6 +83,15 @@ def periodic_orbit(
         with suppress(NoSolutionError, NotFiniteError):  # a rotating wave is an orbit at rest in its frame
             return settled(of_orbits(turning), turned)
     return settled(of_orbits(model), u)
+
+
+def _need_flow(model: Any) -> None:
+    """Refuses maps."""
+    if getattr(model, "kind", "flow") == "map":
+        raise InputError(
+            f"model {model.name!r} is a map, whose cycles are fixed points of its iterates: start from the one that "
+            "iterates settle on (`as: orbit` in a run, contin.find_start), or at a PD of a shorter one"
+        )
 
 
 def _with_events(model: Model, start: Any, parameters: Record | None, transient: float) -> HybridOrbit:

@@ -114,7 +114,7 @@ def _condition(matrix: Array) -> Array | None:
     try:
         condition = np.abs(np.linalg.inv(matrix)) @ np.abs(matrix)
     except np.linalg.LinAlgError:
-        return None
+        return None  # as below: singular, and callers know it by that
     known = np.isfinite(condition).all() and float(np.diag(condition).max()) < SINGULAR
     return condition if known else None
 

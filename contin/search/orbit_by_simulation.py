@@ -73,7 +73,7 @@ def orbit_by_simulation(
     """
     near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = _polished(system, near, p, periods, intervals, points)
-    times = _covered(orbit, near, periods)
+    times = _covered(orbit, near.loops, periods)
     if times > 1:  # a transient that had nearly gone closed best after several periods
         state, shorter, multiple = orbit.profile.u[0], near.period / times, max(near.multiple // times, 1)
         near = replace(near, u=state, period=shorter, multiple=multiple, loops=max(near.loops // times, 1))
@@ -82,7 +82,7 @@ def orbit_by_simulation(
     return orbit
 
 
-def _covered(orbit: PeriodicOrbit, near: Return, periods: Array) -> int:
+def _covered(orbit: PeriodicOrbit, loops: int, periods: Array) -> int:
     """How often an orbit of several loops, turns or forcing periods repeats itself within them."""
     times, u, winding = orbit.profile.times, orbit.profile.u, orbit.winding
     extent = np.maximum(np.ptp(u, axis=0), AT_REST * max(float(np.abs(u).max()), 1e-300))  # more than rounding
@@ -91,7 +91,7 @@ def _covered(orbit: PeriodicOrbit, near: Return, periods: Array) -> int:
     if forced:
         whole, limit = 1 if winding.any() else orbit.multiple, REPEATED
     else:
-        whole, limit = int(np.gcd.reduce(turns)) if winding.any() else near.loops, REPEATED_EXACTLY
+        whole, limit = int(np.gcd.reduce(turns)) if winding.any() else loops, REPEATED_EXACTLY
     for count in range(whole, 1, -1):
         if whole % count:
             continue

@@ -137,6 +137,6 @@ def test_a_state_at_rest_up_to_rounding_does_not_hide_that_a_response_repeats(re
     orbit = contin.periodic_orbit(model, np.column_stack([np.cos(t), -np.sin(t), 0.0 * t]), times=t)
     u = orbit.profile.at(orbit.profile.times)
     u[:, 2] = np.interp(orbit.profile.times, t / t[-1], noise)
-    assert _covered(replace(orbit, profile=replace(orbit.profile, u=u), multiple=3)) == 3
+    assert _covered(replace(orbit, profile=replace(orbit.profile, u=u), multiple=3), 1, np.zeros(3)) == 3
     u[:, 0] += 1e-3 * np.cos(2.0 * np.pi * orbit.profile.times)
-    assert _covered(replace(orbit, profile=replace(orbit.profile, u=u), multiple=3)) == 1
+    assert _covered(replace(orbit, profile=replace(orbit.profile, u=u), multiple=3), 1, np.zeros(3)) == 1
