@@ -203,15 +203,21 @@ def is_neutral(problem: CurveOfPoints, type_: str, z: Array) -> bool:
 
 
 def verify_compound(problem: CurveOfPoints, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
-    """Events that coincide on the curve: each of the types whose test changes sign, verified from between."""
+    """Events that coincide on the curve: each of the types whose test changes sign, verified from between.
+
+    Also those whose test is exactly zero at one end, where only they explain that the unstable count changes.
+    """
     is_map = problem.system.kind == "map"
     events = signs_of_points(problem.locus, is_map)
+    changing = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
+    if sum(events[i][1] for i in changing) != abs(b.unstable - a.unstable):
+        at_end = [i for i in events if events[i][1] and (a.tests[i] == 0.0) != (b.tests[i] == 0.0)]
+        changing = [i for i in events if i in changing or i in at_end]
     found: list[Outcome] = []
-    for index, (type_, _) in events.items():
-        if a.tests[index] * b.tests[index] < 0.0:
-            if type_ == "GH" and any(_is_crossing(item) for item in found):
-                continue  # l1 has no pole there, and did not change its sign: the test counts with one
-            found.append(verify(problem, type_, a, frame))
+    for type_ in (events[i][0] for i in changing):
+        if type_ == "GH" and any(_is_crossing(item) for item in found):
+            continue  # l1 has no pole there, and did not change its sign: the test counts with one
+        found.append(verify(problem, type_, a, frame))
     return found
 
 
