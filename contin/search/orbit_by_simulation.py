@@ -34,6 +34,7 @@ AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
 REPEATED_EXACTLY = 1e-6  # ... of an orbit of no forcing: one that has doubled departs by far more, but at its birth
 REPEATED = 1e-5  # difference (relative to the extent) of a response and itself some periods later, if it repeats
 LONGEST_MULTIPLE = 16  # forcing periods
+WITHIN = 8  # looks at the state in each forcing period: one that is zero at the period's beginning has its size between
 CHANCE = 4  # loops from which an unstable orbit is one that a chaotic trajectory came close to by chance
 UNSTABLE = 1.05  # largest modulus of a multiplier above which an orbit is unstable beyond doubt
 ADVICE = (
@@ -73,9 +74,12 @@ def orbit_by_simulation(
     """
     near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = _polished(system, near, p, periods, intervals, points)
-    times = _covered(orbit, near.loops, periods)
+    resolved = orbit  # on a user's coarse mesh seven periods of a response do not look alike
+    if intervals is not None and max(near.loops, near.multiple) > 1:
+        resolved = _polished(system, near, p, periods, None, points)
+    times = _covered(resolved, near.loops, periods)
     if times > 1:  # a transient that had nearly gone closed best after several periods
-        state, shorter, multiple = orbit.profile.u[0], near.period / times, max(near.multiple // times, 1)
+        state, shorter, multiple = resolved.profile.u[0], near.period / times, max(near.multiple // times, 1)
         near = replace(near, u=state, period=shorter, multiple=multiple, loops=max(near.loops // times, 1))
         orbit = _polished(system, near, p, periods, intervals, points)
     refuse_chance(near, orbit)
@@ -225,13 +229,14 @@ def _forced(system: CompiledSystem, u: Array, p: Array) -> Return:
     start, best, total = u, (np.inf, u, 1), 0
     for _ in range(60):
         total += 64
-        path = integrate(system, start, p, 64 * period, times=period * np.arange(65.0))
+        path = integrate(system, start, p, 64 * period, times=period / WITHIN * np.arange(64.0 * WITHIN + 1.0))
         sizes = natural_metric(system, path.u[-1], p).states
-        unit = np.maximum(np.ptp(path.u, axis=0), CLOSED * np.maximum(np.abs(path.u).max(axis=0), sizes))
+        u = path.u[::WITHIN]
+        unit = np.maximum(np.ptp(u, axis=0), CLOSED * np.maximum(np.abs(path.u).max(axis=0), sizes))
         for k in range(1, LONGEST_MULTIPLE + 1):
-            distance = float(np.max(np.abs(path.u[-1] - path.u[-1 - k]) / np.maximum(unit, np.abs(path.u[-1]))))
+            distance = float(np.max(np.abs(u[-1] - u[-1 - k]) / np.maximum(unit, np.abs(u[-1]))))
             if distance < 0.1 * best[0]:
-                best = distance, path.u[-1], k
+                best = distance, u[-1], k
         if best[0] < CLOSE:
             break
         start = path.end

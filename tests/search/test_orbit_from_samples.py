@@ -10,6 +10,7 @@ import pytest
 import contin
 from contin.cli.main import main
 from contin.errors import InputError, NoSolutionError
+from contin.search import orbit_by_simulation
 from contin.search.orbit_by_simulation import _covered
 
 # r' = r (b + r^2), angle' = 1: for b < 0 an unstable cycle of radius sqrt(-b) and period 2 pi
@@ -123,6 +124,24 @@ def test_response_that_has_settled_is_not_taken_for_a_subharmonic_one():
         equations={"x": "y", "y": "x - x^3 - d*y + g*cos(t)"},
     )  # fmt: skip
     assert contin.periodic_orbit(model).period == pytest.approx(2.0 * np.pi, rel=1e-12)
+
+
+def test_a_response_that_closed_best_after_seven_periods_is_one_on_a_coarse_mesh_too(monkeypatch):
+    """x'' + x/4 + d x' = (1/4 - 1) cos t - d sin t, x = cos t: seven periods on twelve intervals do not look alike."""
+    model = contin.Model(
+        "driven", states={"x": 1.0, "y": 0.0}, parameters={"d": 0.5}, forcing={"period": "2*pi"},
+        equations={"x": "y", "y": "-x/4 - d*y - 0.75*cos(t) - d*sin(t)"},
+    )  # fmt: skip
+    assert contin.periodic_orbit(model).period == pytest.approx(2.0 * np.pi, rel=1e-12)  # y is zero at every period
+    find = orbit_by_simulation.find_return
+
+    def seven(*arguments):
+        near = find(*arguments)
+        return replace(near, period=7.0 * near.period / near.multiple, multiple=7)
+
+    monkeypatch.setattr(orbit_by_simulation, "find_return", seven)
+    orbit = contin.periodic_orbit(model, {"x": 1.0, "y": 0.0}, intervals=12)
+    assert (orbit.multiple, orbit.period) == (1, pytest.approx(2.0 * np.pi, rel=1e-12))
 
 
 @pytest.mark.parametrize("rest", [0.0, 1e-17])
