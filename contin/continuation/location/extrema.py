@@ -22,7 +22,9 @@ ACCURACY = 1e-12  # of the place (scaled arclength)
 TURNING = 1e-6  # part of the tangent below which the parameter stands still
 SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
 SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
-CLEAR = 1e6  # times the scatter, beyond which that of rows, at Newton's tolerance, is no question
+CLEAR = 1e6  # times the scatter, beyond which that of points solved for again is no question
+NUDGE = 1e-9  # of the guesses from which they are: small, for another solution may be near
+FOURTH = np.array([1.0, -4.0, -4.0, 1.0, 6.0]) / 70.0  # at `SIDES` and 0, whose largest part is off a cubic there
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
 # of rounding errors in succession
@@ -99,32 +101,39 @@ class Extremum:
         self, stretch: Stretch, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,
         rounding: float,
     ) -> bool:  # fmt: skip
-        """True where the column is lower (at a maximum) at the ends by more than its scatter at all three places.
+        """True where the column is lower (at a maximum) at the ends by more than it is uncertain at all three places.
 
-        Rows are known to Newton's tolerance, and may scatter more than the points next to the extremum do. Where the
-        column falls by more than `CLEAR` times that nobody looks.
+        How far a point is off the curve shows where it is solved for again. Where the column falls by more than `CLEAR`
+        times its scatter beside the extremum nobody looks.
         """
         value = float(self.values(stretch.problem, at.z[None])[0])
         drops = (value - self.values(stretch.problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
         scatter = self._scatter(stretch.problem, beside, at) + rounding
         if drops.max() <= CLEAR * scatter:
-            scatter += sum(self._scatter_of_row(stretch, end) for end in ends)
+            scatter += sum(self._uncertainty(stretch, sample) for sample in (at, *ends))
         return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
 
-    def _scatter_of_row(self, stretch: Stretch, row: Sample) -> float:
-        """How far the column changes when the row is solved for again, from guesses on all sides of it."""
-        problem, scale = stretch.problem, stretch.frame.scale
-        guesses = row.z + STEP * scale * SIGNS[:, np.arange(row.z.size) % SIGNS.shape[1]]
-        solved = [problem.probe(row, 0.0, guess, stretch.frame, stretch.settings) for guess in guesses]
-        places = np.array([row.z, *(sample.z for sample in solved if sample is not None)])
-        return float(np.ptp(self.values(problem, places)))
+    def _uncertainty(self, stretch: Stretch, sample: Sample) -> float:
+        """How far the column changes when the point is solved for again, from guesses next to it on all sides.
+
+        A solution farther off than Newton's tolerance is another one: beside a branch point the plane in which the
+        point lies meets two curves.
+        """
+        problem, settings = stretch.problem, stretch.settings
+        nudges = NUDGE * stretch.frame.scale * SIGNS[:, np.arange(sample.z.size) % SIGNS.shape[1]]
+        guesses = np.ascontiguousarray(sample.z + nudges)
+        solved = problem.probes(sample, np.zeros(len(guesses)), guesses, stretch.frame, settings)
+        near = SCATTER * max(settings.tolerance, NUDGE)
+        again = [other.z for other in solved if other is not None and stretch.distance(other, sample) <= near]
+        return float(np.ptp(self.values(problem, np.array([sample.z, *again]))))
 
     def _scatter(self, problem: Problem, beside: Sequence[Sample], at: Sample) -> float:
-        """How far the column is off a parabola at a point of the curve and at those beside it."""
+        """How far the column is off a cubic at a point of the curve and at those beside it: no curvature is scatter.
+
+        What is left of curvature is of order four, as in the slopes.
+        """
         values = self.values(problem, np.array([*(sample.z for sample in beside), at.z]))
-        s = np.array([*SIDES, 0.0]) / STEP
-        fit = np.stack([np.ones_like(s), s, elementary.square(s)], axis=1)
-        return float(np.abs(values - fit @ np.linalg.lstsq(fit, values, rcond=None)[0]).max())
+        return float(np.abs(FOURTH @ (values - values[-1])) * 6.0)
 
     def _beside(self, stretch: Stretch, at: Sample) -> list[Sample] | None:
         """Four points of the curve next to `at`; None where it cannot be followed there."""
