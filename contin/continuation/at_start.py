@@ -8,6 +8,7 @@ from contin.continuation.curve import Stretch
 from contin.continuation.departure import Departure
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.found import Found
+from contin.continuation.location.sameness import same_point
 from contin.continuation.location.targets import Wanted
 from contin.continuation.location.turning import between
 from contin.continuation.location.user_value import Target
@@ -23,7 +24,13 @@ def found_at_start(departure: Departure, targets: Sequence[Wanted]) -> list[Foun
     if departure.seed.born:
         return []
     ends = _ends(departure) if departure.here else None
-    wanted = [item for target in targets for item in _met(departure, target, ends)]
+    problem, scale, known = departure.seed.problem, departure.scale, departure.known
+    wanted = [
+        item
+        for target in targets
+        for item in _met(departure, target, ends)
+        if not any(same_point(problem, item.point, other, scale) for other in known)
+    ]
     return sorted([*departure.here, *wanted], key=lambda item: item.length)
 
 

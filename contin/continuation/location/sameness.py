@@ -16,8 +16,8 @@ ROUNDING: Final = 1e-13  # ... beyond this, scaled
 
 
 def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool:
-    """One type at one place and, for oscillations, one frequency."""
-    if a.type != b.type:
+    """One type at one place and, for oscillations, one frequency; for extrema, of one column: two may turn at once."""
+    if a.type != b.type or a.normal_form.get("of") != b.normal_form.get("of"):
         return False
     if problem.adaptive:
         return problem.same_point(a, b, scale)
