@@ -2,6 +2,8 @@
 
 import pytest
 
+import contin
+from contin.model.model import Model
 from tests.problems.follow import follow
 
 
@@ -39,3 +41,14 @@ def test_a_user_value_where_two_branches_cannot_be_told_apart_is_a_note():
     found = {p.values["p"] for p in branch.points if p.type == "UZ"}
     assert {-0.8, 0.8} <= found
     assert all(v in found or any(f"p = {v} is not labelled" in note for note in branch.notes) for v in values)
+
+
+def test_a_closed_curve_that_starts_at_a_value_has_it_once_and_exactly():
+    """The column x of the circle is 0.8 at p = -0.6 and at the start, p = 0.6."""
+    model = Model(
+        "circle", states={"x": 0.8}, parameters={"p": 0.6}, equations={"x": "x^2 + p^2 - 1"}, kind="algebraic"
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "p", (-1.2, 1.2), values={"x": [0.8]})
+    values = sorted((point.values["p"], point.error) for point in line.points if point.type == "UZ")
+    assert [place for place, _ in values] == pytest.approx([-0.6, 0.6], abs=1e-12)
+    assert max(error for _, error in values) <= 1e-12

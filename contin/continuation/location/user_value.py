@@ -72,6 +72,7 @@ def zero_between(stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Samp
         sample = stretch.problem.probe(stretch.base, length, z, stretch.frame, stretch.settings)
         ends.append(replace(sample or stretch.base, z=z))  # at a branch point Newton fails, but z is known
     a, b = ends
-    if value(b) != 0.0:
-        a, b = stretch.zero(value, a, b, 1e-14)
+    if value(b) == 0.0:
+        return b, 0.0
+    a, b = stretch.zero(value, a, b, 1e-14)
     return (b if abs(value(b)) <= abs(value(a)) else a), stretch.distance(a, b)
