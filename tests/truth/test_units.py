@@ -15,9 +15,12 @@ import contin
 from tests.truth.further_unit_checks import FURTHER
 from tests.truth.ledger import Ledger
 from tests.truth.unit_checks import CHECKS, SLOW
+from tests.truth.unit_models import TWISTED
 from tests.truth.units import LONG, ORDINARY, ROUGH, SMOOTH, Units, Verbs, compare
 
 EXTREME = (Units(1e15, 1e12, 1e3), Units(1e-9, 1e-9, 1e12))
+MIXED = Units(1e-6, 1e12, 1e-9, mixed=True)
+"""Neighbouring states 1e12 apart: equations without time, and states that are zero all along an orbit."""
 ALL = CHECKS | FURTHER
 _ordinary = {}
 
@@ -34,6 +37,20 @@ def differences(name: str, units: Units) -> list[str]:
 def test_extreme_units_change_nothing(name):
     units = EXTREME[list(ALL).index(name) % 2]  # the long version takes both, and each alone
     assert {str(units): found for units in [units] if (found := differences(name, units))} == {}
+
+
+@pytest.mark.parametrize("name", ["an algebraic system", "a curve of doublings of orbits"])
+def test_mixed_units_change_nothing(name):
+    assert differences(name, MIXED) == []
+
+
+@pytest.mark.parametrize("units", [ORDINARY, *EXTREME, MIXED], ids=str)
+def test_the_stated_error_of_a_doubling_is_a_small_part_of_the_range_in_all_units(units):
+    verbs = Verbs(TWISTED, units)
+    family = contin.continuation(contin.periodic_orbit(verbs.model), "p")
+    (point,) = family.points
+    place, error = (float(v) * verbs.unit("p") for v in (point.values["p"], point.error))
+    assert (point.type, abs(place) <= error, error < 1e-8) == ("PD", True, True)
 
 
 @pytest.mark.long

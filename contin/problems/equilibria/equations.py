@@ -28,6 +28,11 @@ class AlgebraicEquations(InOneParameterProblem):
     def is_map(self) -> bool:
         return bool(self.system.kind == "map")
 
+    @cached_property
+    def is_timeless(self) -> bool:
+        """True for equations without time: each has a unit of its own, which says nothing about its state's."""
+        return bool(self.system.kind == "algebraic")
+
     def linearise(self, z: Array) -> tuple[Array, Array]:
         """F (n,) and [F_u F_p] (n, n + 1), unscaled."""
         f, jacobian = self.system.jacobian(z[:-1], self.full_parameters(z))

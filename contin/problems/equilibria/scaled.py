@@ -2,7 +2,8 @@
 
 The u-block of its Jacobian is similar to F_u, so eigenvalues are unchanged; norms, borders and tolerances have a
 meaning whatever the units of the states. Equations that are orders of magnitude faster than others are also divided by
-their rate, `rated`: F_i / (scale_i rate_i), and F_u - lambda I becomes diag(1 / rate) (F_u - lambda I).
+their rate, `rated`: F_i / (scale_i rate_i), and F_u - lambda I becomes diag(1 / rate) (F_u - lambda I). Equations that
+have no time always are: which state belongs to which is a matter of their order, and their units are their own.
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ class ScaledSystem:
         beside = BESIDE * generic(len(y))
         rows = np.abs(self.linearised(np.array([y, y + beside, y - beside]))[1]).max(axis=2)
         here, around = rows[0], np.maximum(rows[1], rows[2])
+        if self.problem.is_timeless:
+            return self._equilibrated(np.maximum(here, around))
         if not (np.all(np.isfinite(around)) and np.all(np.isfinite(here)) and min(here.min(), around.min()) > 0.0):
             return self
         if min(here.max() / here.min(), around.max() / around.min()) <= FAR_APART:
@@ -58,6 +61,13 @@ class ScaledSystem:
         if logs[0] @ logs[1] <= ALIKE * np.linalg.norm(logs[0]) * np.linalg.norm(logs[1]):  # not rates, but bad scales
             return self
         return replace(self, rates=around if self.rates is None else around * self.rates)
+
+    def _equilibrated(self, rows: Array) -> ScaledSystem:
+        """The same with every equation divided by its row's size; equations of size zero stay."""
+        if not np.all(np.isfinite(rows)):
+            return self
+        sizes = np.where(rows > 0.0, rows, 1.0)
+        return replace(self, rates=sizes if self.rates is None else sizes * self.rates)
 
     def linearise(self, y: Array) -> tuple[Array, Array]:
         f, jacobian = self.problem.linearise(y * self.scale)

@@ -95,7 +95,7 @@ def _balanced_frame(problem: AlgebraicEquations, sample: Sample, frame: Frame) -
     jacobians = local.linearised(np.array([y, y + BESIDE * sample.tangent]))[1]  # at the point couplings may vanish
     if not np.isfinite(jacobians).all():
         return frame, sample.tangent
-    units = _balancing_units(*jacobians)
+    units = _balancing_units(local, *jacobians)
     tangent = sample.tangent / units
     return Frame(frame.scale * units, frame.reference), tangent / np.linalg.norm(tangent)
 
@@ -116,7 +116,7 @@ def _opposite_zeros(
     problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, tangent: Array
 ) -> Outcome:
     """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
-    here, there = _singular_values(*(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
+    here, there = _singular_values(local, *(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
     if len(here) < 2 or here[-2] > 2e-2 * there[-2]:
         return NOTHING
     found = _branch_point(problem, local, y, frame, 2, tangent)
@@ -185,22 +185,25 @@ def _beside(local: ScaledSystem, y: Array, tangent: Array) -> Iterator[Array | N
         yield at
 
 
-def _singular_values(*jacobians: Array) -> list[NDArray[np.floating]]:
+def _singular_values(local: ScaledSystem, *jacobians: Array) -> list[NDArray[np.floating]]:
     """Singular values of matrices (n, n + 1) after the change of units of the states that balances them together.
 
     A state whose scale was guessed badly would otherwise make the others' Jacobian look singular.
     """
-    units = _balancing_units(*jacobians)
+    units = _balancing_units(local, *jacobians)
     return [np.linalg.svd(m * units / units[:-1, None], compute_uv=False) for m in jacobians]
 
 
-def _balancing_units(*jacobians: Array) -> Array:
+def _balancing_units(local: ScaledSystem, *jacobians: Array) -> Array:
     """Units of the states (1 for the parameter), (n + 1,), in which rows and columns of all F_u together are alike.
 
     Only pairs of states that act on each other are balanced: where one of the two couplings is a rounding error, the
-    ratio of the two says nothing. The product of the two does not depend on units.
+    ratio of the two says nothing. The product of the two does not depend on units. Equations without time have rows
+    in units of their own: their order says which state acts on which, and nothing is balanced.
     """
     n = len(jacobians[0])
+    if local.problem.is_timeless:
+        return np.ones(n + 1)
     total = np.maximum.reduce([np.abs(m[:, :n]) for m in jacobians])
     products = total * total.T
     mutual = products >= MUTUAL * products.max()
@@ -214,7 +217,7 @@ def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: 
         jacobians.append(np.full_like(jacobians[0], np.nan) if at is None else local.linearise(at)[1])
         if not np.isfinite(jacobians).all():
             return False  # the equations have no value there, so nothing is a point of the branch
-        at_point, *around = _singular_values(*jacobians)
+        at_point, *around = _singular_values(local, *jacobians)
         for singular in around:
             if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
                 return False
@@ -268,7 +271,7 @@ def _turns_on_all(local: ScaledSystem, y: Array, tangent: Array) -> bool:
     jacobians = [local.linearise(at)[1] for at in (y, y + BESIDE * tangent)]
     if local.n < 2 or not np.isfinite(jacobians).all():
         return False
-    units = _balancing_units(*jacobians)[:-1]
+    units = _balancing_units(local, *jacobians)[:-1]
     here, beside = (np.linalg.svd(j[:, :-1] * units / units[:, None], compute_uv=False) for j in jacobians)
     return bool(here[-2] < SINGULAR * max(float(here[0]), float(beside[0])))
 
@@ -327,7 +330,7 @@ def verify_compound(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fr
     _, beside = local.linearise(y + BESIDE * tangent)
     if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(beside))):
         return [Rejected("the equations are not finite here")]
-    here, there = _singular_values(jacobian, beside)
+    here, there = _singular_values(local, jacobian, beside)
     size = max(float(here[0]), float(there[0]), 1e-300)
     slopes = there / BESIDE  # a singular value counts that may vanish between a and b
     width = float(np.linalg.norm((b.z - a.z) / frame.scale))
@@ -396,7 +399,7 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
 
     Or at a branch point those of the reduced equation.
     """
-    units = _balancing_units(local.linearise(y)[1])
+    units = _balancing_units(local, local.linearise(y)[1])
     balanced = replace(local, scale=local.scale * units)
     balanced = balanced.rated(y / units)
     tangents = [units * t for t in _tangents(balanced, y / units)]

@@ -94,25 +94,26 @@ def _lost_along(problem: AlgebraicEquations, z: Array, scale: Array) -> float:
     branch through both, [F_u F_p] is singular to rounding; on circles about the point in its kernel it is looked for.
     """
     farthest, distance = 0.0, NEAREST
-    kernel = np.linalg.svd(_scaled(problem, z, scale))[2][-2:]
+    local = _local(problem, z, scale)
+    kernel = np.linalg.svd(_scaled(local, z))[2][-2:]
     clear = 0  # distances in turn: half way to a crossing more is seen than next to it
     while distance < FARTHEST and clear < CLEAR:
-        found = _most_singular(problem, z, scale, distance * kernel)
+        found = _most_singular(local, z, distance * kernel)
         clear += 1
-        if found is not None and branch_point_is_lost(_scaled(problem, found, scale)):
+        if found is not None and branch_point_is_lost(_scaled(local, found)):
             farthest, clear = max(farthest, GROWTH * abs(float(found[-1] - z[-1]))), 0
         distance *= GROWTH
     return farthest
 
 
-def _most_singular(problem: AlgebraicEquations, z: Array, scale: Array, kernel: Array) -> Array | None:
+def _most_singular(local: ScaledSystem, z: Array, kernel: Array) -> Array | None:
     """The place on an ellipse about z, with the half-axes `kernel` (2, n + 1), where [F_u F_p] is nearest singular."""
 
     def at(angle: float) -> Array:
-        return np.asarray(z + scale * (elementary.cos(angle) * kernel[0] + elementary.sin(angle) * kernel[1]))
+        return np.asarray(z + local.scale * (elementary.cos(angle) * kernel[0] + elementary.sin(angle) * kernel[1]))
 
     def size(angle: float) -> float:
-        matrix = _scaled(problem, at(angle), scale)
+        matrix = _scaled(local, at(angle))
         return float(np.linalg.svd(matrix, compute_uv=False)[-1]) if np.isfinite(matrix).all() else np.inf
 
     step = np.pi / ANGLES
@@ -127,8 +128,14 @@ def _most_singular(problem: AlgebraicEquations, z: Array, scale: Array, kernel: 
     return at(0.5 * (low + high))
 
 
-def _scaled(problem: AlgebraicEquations, z: Array, scale: Array) -> Array:
-    return np.asarray(problem.linearise(z)[1] * scale / scale[:-1, None])
+def _local(problem: AlgebraicEquations, z: Array, scale: Array) -> ScaledSystem:
+    """Equations without time by the sizes of their rows, others in the units of their states."""
+    local = ScaledSystem(problem, scale)
+    return local.rated(z / scale) if problem.is_timeless else local
+
+
+def _scaled(local: ScaledSystem, z: Array) -> Array:
+    return local.linearise(z / local.scale)[1]
 
 
 def _with(point: Verified, remark: str, form: dict[str, object] | None = None, touches: bool = False) -> Verified:
