@@ -466,6 +466,12 @@ class Problem(ABC):
         """Notes on the whole branch with rows z, whose eigenvalues (rows, k) are as the march gave them."""
         return ()
 
+    def recounted(
+        self, z: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
+    ) -> NDArray[np.int64]:
+        """`unstable` of all rows z without what is critical all along the branch, which one row alone cannot tell."""
+        return unstable
+
     def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
         """The columns of unknowns whose scale at the start z is a mere 1, for want of anything to take it from."""
         return ()

@@ -17,7 +17,7 @@ from contin.continuation.settings import Settings
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold
 from contin.problems.orbits.ends.multiply_traversed import cut_where_traversed
-from contin.problems.orbits.ends.vertical import remarks, stands_at_birth, width_at_birth
+from contin.problems.orbits.ends.vertical import recounted, remarks, stands_at_birth, width_at_birth
 from contin.problems.orbits.linearised.linear import branch_tangents
 from contin.problems.orbits.march import in_kernel
 from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
@@ -148,6 +148,11 @@ class OrbitProblem(OrbitEquations):
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """That the family is vertical, or neutral."""
         return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues))
+
+    def recounted(
+        self, z: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
+    ) -> NDArray[np.int64]:
+        return recounted(self, z, unstable, eigenvalues)
 
     def describe_failure(self, z: Array) -> str:
         text = self.explain_states(z)

@@ -56,6 +56,22 @@ def test_may_leonard_orbits_fill_the_plane_between_the_hopf_point_and_the_hetero
         assert saddle["saddle_quantity"] == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.parametrize("a", [0.7, 0.8, 0.9])
+def test_the_multiplier_along_a_family_with_a_first_integral_is_not_counted(a):
+    """Multipliers are 1, 1 and exp(-T) (the sum of the populations tends to 1 at rate 1): none is ever unstable."""
+    model = Model(
+        "may-leonard", states={"x": 0.3, "y": 0.3, "z": 0.3}, parameters={"b": 1.0},
+        equations={
+            "x": f"x*(1 - x - {a}*y - b*z)", "y": f"y*(1 - b*x - y - {a}*z)", "z": f"z*(1 - {a}*x - b*y - z)",
+        },
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "b", (0.9, 1.6))
+    family = api.continuation(line["HB1"].switch(), "b", (0.9, 1.6))
+    assert not family.columns["unstable"].any()
+    assert family.unexplained == 0
+    assert not any("without a label" in note for note in family.notes)
+
+
 def test_a_simulation_of_a_conservative_system_says_that_its_orbits_are_a_continuum():
     """Lotka and Volterra: x - log x + y - log y is conserved."""
     model = Model(

@@ -35,6 +35,7 @@ DRIFTED = (1e-8, 1e-4)  # ... distance from the Hopf point that may be the mesh'
 LARGE = 0.2  # extent of orbits that cannot be so near to their Hopf point otherwise
 EXPLAINED = 0.5  # part of that distance which a finer mesh takes away
 TOLERANCE = 1e-9  # of Newton's last step there
+UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
 FEWEST = 10  # rows that tell a family
 
 
@@ -124,20 +125,57 @@ def _range(problem: OrbitEquations, profile: Profile) -> str:
     return ", ".join(f"{k} in [{a:.3g}, {b:.3g}]" for k, a, b in zip(names, low, high, strict=True))
 
 
-def remarks(problem: OrbitEquations, z: Array) -> Sequence[str]:
-    """That all orbits of the family (rows z) exist at one parameter value, in words."""
+def is_vertical(problem: OrbitEquations, z: Array) -> bool:
+    """True where all orbits of the family (rows z) exist at one parameter value."""
     values = z[:, -1]
     if len(values) < FEWEST or problem.origin is None or not problem.autonomous:
+        return False
+    moved, width = np.abs(values - problem.origin[0]), problem.width_at_birth
+    return bool(float(np.median(moved)) <= CONSTANT * width and float(moved.max()) <= DRIFTED[1] * width)
+
+
+def remarks(problem: OrbitEquations, z: Array) -> Sequence[str]:
+    """That all orbits of the family (rows z) exist at one parameter value, in words."""
+    if not is_vertical(problem, z):
         return ()
+    assert problem.origin is not None
     name, at = problem.parameters[0], problem.origin[0]
-    width = problem.width_at_birth
-    moved = np.abs(values - at)
-    if float(np.median(moved)) > CONSTANT * width or float(moved.max()) > DRIFTED[1] * width:
-        return ()
     return (
-        f"vertical family: {name} is constant along it (to {float(moved.max()):.1e}). At {name} = {at:.10g} the orbits "
-        "form a continuum, as where the system has a first integral (an energy); none of them is isolated",
+        f"vertical family: {name} is constant along it (to {float(np.abs(z[:, -1] - at).max()):.1e}). At {name} = "
+        f"{at:.10g} the orbits form a continuum, as where the system has a first integral (an energy); none of them is "
+        "isolated",
     )
+
+
+def recounted(
+    problem: OrbitEquations, z: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
+) -> NDArray[np.int64]:
+    """Unstable multipliers of the rows of a family, on a vertical one without the second multiplier 1.
+
+    That one belongs to the direction along the family, in which orbits neither approach nor leave: the side of the unit
+    circle on which it is computed is rounding.
+    """
+    if not is_vertical(problem, z):
+        return unstable
+    counts = unstable.copy()
+    for row, values in enumerate(eigenvalues):
+        others = values[1:]
+        if not stays_critical(values) or int(np.sum(np.abs(others) > 1.0)) != unstable[row]:  # a labelled orbit
+            continue
+        second = others[int(np.argmin(np.abs(others - 1.0)))]
+        counts[row] -= int(second.imag == 0.0 and abs(second) > 1.0)
+    return counts
+
+
+def stays_critical(values: NDArray[np.complex128]) -> bool:
+    """True where a second multiplier is 1 up to what the trivial one, the first, is off."""
+    return distance_from_one(values) < UNRESOLVED + 3.0 * abs(complex(values[0]) - 1.0)
+
+
+def distance_from_one(values: NDArray[np.complex128]) -> float:
+    """Of the nontrivial multiplier nearest to 1 (the trivial one stands first; without it nothing is gained)."""
+    others = values[1:]
+    return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
 def is_reciprocal(values: NDArray[np.complex128], tolerance: float = 1e-6) -> bool:

@@ -52,7 +52,7 @@ def _coupling(family: FamilyOfOrbits, profile: Profile) -> Array:
 
 
 def _bending(family: FamilyOfOrbits, profile: Profile, coupling: Array) -> tuple[Array, Array]:
-    """Largest |d^2 F_k / d u_i^2| along an orbit, (n, n), and the lengths (n,) over which equations bend in each state."""
+    """Largest |d^2 F_k / d u_i^2| along an orbit, (n, n), and over which lengths equations bend in each state, (n,)."""
     p = family.full_parameters(profile.vector())
     parts = [pure_derivatives(family.system, u, p) for u in profile.u[:: profile.m]]
     second, third = (np.max([part[k] for part in parts], axis=0) for k in (0, 1))

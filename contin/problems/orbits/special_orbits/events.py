@@ -12,7 +12,14 @@ from contin.abi import Array
 from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
 from contin.problems.equilibria import special_points
-from contin.problems.orbits.ends.vertical import NOISE, is_at_birth, is_reciprocal
+from contin.problems.orbits.ends.vertical import (
+    NOISE,
+    UNRESOLVED,
+    distance_from_one,
+    is_at_birth,
+    is_reciprocal,
+    stays_critical,
+)
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
@@ -28,7 +35,6 @@ if TYPE_CHECKING:
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 CANCELLED = 64.0  # rounding errors of the range: what terms of the equations that cancel leave, the same in all samples
-UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
 UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at which an event is not labelled
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
 CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
@@ -50,7 +56,7 @@ def explain(a: Sample, b: Sample, standing: bool = False, by_count: bool = True)
     error, so the count may lag behind the test by that much.
     """
     slope = max(abs(a.tests[0]), abs(b.tests[0]))
-    if slope < (NOISE if standing else VERTICAL) and _stuck(a) and _stuck(b):
+    if slope < (NOISE if standing else VERTICAL) and stays_critical(a.eigenvalues) and stays_critical(b.eigenvalues):
         return _explain_vertical(a, b)
     if slope < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
         counted = _explain_flat(a, b)
@@ -63,7 +69,7 @@ def explain(a: Sample, b: Sample, standing: bool = False, by_count: bool = True)
         return tuple(of_cycle(t) for t in found)
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(a.unstable - b.unstable)
-    lagging = min(_distance_from_one(a), _distance_from_one(b)) < UNRESOLVED
+    lagging = min(distance_from_one(a.eigenvalues), distance_from_one(b.eigenvalues)) < UNRESOLVED
     if not (pairs or flips) and moved <= 2 and lagging:
         if branches:
             return ("BPC",)
@@ -73,16 +79,11 @@ def explain(a: Sample, b: Sample, standing: bool = False, by_count: bool = True)
 
 def _explain_flat(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Where the parameter hardly changes (a canard), the sign of dp/ds is rounding: the multipliers decide."""
-    away = min(_distance_from_one(a), _distance_from_one(b))
+    away = min(distance_from_one(a.eigenvalues), distance_from_one(b.eigenvalues))
     trivial = max(abs(a.eigenvalues[0] - 1.0), abs(b.eigenvalues[0] - 1.0))
     if a.unstable == b.unstable and away > max(RESOLVED, 10.0 * trivial):
         return ()
     return ("flat",) if abs(a.unstable - b.unstable) == 1 else None
-
-
-def _stuck(sample: Sample) -> bool:
-    """True where a second multiplier is 1 up to what the trivial one is off."""
-    return _distance_from_one(sample) < UNRESOLVED + 3.0 * abs(complex(sample.eigenvalues[0]) - 1.0)
 
 
 def _explain_vertical(a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -94,12 +95,6 @@ def _explain_vertical(a: Sample, b: Sample) -> tuple[str, ...] | None:
     if pairs or flips or abs(a.unstable - b.unstable) > 1:
         return None
     return ("BPC",) if branches else ()
-
-
-def _distance_from_one(sample: Sample) -> float:
-    """Of the nontrivial multiplier nearest to 1 (the trivial one stands first; without it nothing is gained)."""
-    others = sample.eigenvalues[1:]
-    return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
 def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
