@@ -156,6 +156,7 @@ def correct(c, e, w, s, x, z0, tangent, scale, reach, tolerance):
     nodes = z.size - 2 - x.density.size
     sign = 0
     fresh = True
+    newton = False  # the step before was one of Newton's method, see `collocation_march.correct`
     before = math.inf
     for j in range(4):
         sizes[j] = 0.0
@@ -178,7 +179,7 @@ def correct(c, e, w, s, x, z0, tangent, scale, reach, tolerance):
         sizes[2] += size
         if iteration == 0:
             sizes[0] = size
-        if size <= tolerance:
+        if size <= tolerance and (fresh or size < 0.5 * before):
             return sign
         if not size < 1e3:
             return 0
@@ -186,10 +187,11 @@ def correct(c, e, w, s, x, z0, tangent, scale, reach, tolerance):
         if iteration > 0:
             if ratio < 0.5 and size * ratio < 0.1 * tolerance:
                 return sign
-            if ratio > 0.5 and size < STAGNATION and size < sizes[0]:
+            if fresh and ratio > 0.5 and size < STAGNATION and size < sizes[0]:
                 return sign
-            if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
+            if (fresh and newton and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
                 return 0
+        newton = fresh
         fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
         before = size
     return 0

@@ -105,6 +105,10 @@ def new_memory(n, m, nontrivial, intervals, size, p):
 def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
     """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = reach, on x.z (phase row set).
 
+    Corrections that no longer fall are at the attainable accuracy only where they are Newton's: chord iterations stall
+    in the direction in which the matrix is nearly singular (the times of two passes of one saddle, whose sum is the
+    period), and leave an orbit 1000 times as far from the family as their length says.
+
     Returns the sign of the determinant (+1, -1), 0 (no convergence) or 2 (not finite); `s` holds the last factors.
     """
     n, m = e.n, e.m
@@ -112,6 +116,7 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
     nodes = z.size - 2 - x.density.size
     sign = 0
     fresh = True
+    newton = False  # the step before was one of Newton's method
     before = math.inf
     for j in range(4):
         sizes[j] = 0.0
@@ -134,7 +139,7 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
         sizes[2] += size
         if iteration == 0:
             sizes[0] = size
-        if size <= tolerance:
+        if size <= tolerance and (fresh or size < 0.5 * before):
             return sign
         if not size < 1e3 or not z[nodes] > 0.0:
             return 0
@@ -142,10 +147,11 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
         if iteration > 0:
             if ratio < 0.5 and size * ratio < 0.1 * tolerance:
                 return sign
-            if ratio > 0.5 and size < STAGNATION and size < sizes[0]:
+            if fresh and ratio > 0.5 and size < STAGNATION and size < sizes[0]:
                 return sign
-            if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
+            if (fresh and newton and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
                 return 0
+        newton = fresh
         fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
         before = size
     return 0

@@ -53,13 +53,55 @@ def test_orbits_between_two_saddles_are_heteroclinic_cycles():
 
 
 @pytest.fixture(scope="module")
-def beats():
+def birth():
     """Three metronomes: beating born where one swings with another amplitude than the other two, beta = 0.8."""
     model = contin.average(contin.load("metronomes/three"), form="cartesian")
     line = contin.continuation(contin.equilibrium(model, "in-phase", {"mu": 8, "beta": 0.8}), "mu", (2.9, 8))
     fork = contin.continuation(line["BP1"].switch()[0], "mu", (2.6, 4))
     born = min((p for p in fork.points if p.type == "HB"), key=lambda p: abs(p.values["mu"] - 2.7587))
-    return contin.continuation(born.switch(), "mu", (1.5, 4.0))
+    return born.switch()
+
+
+@pytest.fixture(scope="module")
+def beats(birth):
+    return contin.continuation(birth, "mu", (1.5, 4.0))
+
+
+@pytest.fixture(scope="module")
+def fine(birth):
+    return contin.continuation(birth, "mu", (1.5, 4.0), settings={"max_step": 0.06})
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"max_step": 0.1}, {"max_step": 0.15}, {"max_step": 0.17}, {"max_step": 0.25}],
+    ids=str,
+)
+def test_an_approach_is_told_whatever_the_steps(birth, fine, settings):
+    """And every orbit near it has the distance mu* - mu = A(T) exp(-k T) that another of its period has with short ones.
+
+    Close to two passes of one saddle the matrix is nearly singular in the difference of their times. Chord iterations
+    stall there, and orbits were taken for solutions that were off by 5 % of the distance to the limit; from those no
+    step succeeded, or only the smallest ones.
+    """
+    limit = fine.ends[1].data
+    family = contin.continuation(birth, "mu", (1.5, 4.0), settings=settings)
+    end = family.ends[1]
+    assert end.reason == "homoclinic"
+    assert end.data["passes"] == 2
+    assert end.data["error"] < 1e-6
+    assert abs(end.data["at"]["mu"] - limit["at"]["mu"]) <= end.data["error"] + limit["error"]
+    assert len(family.z) < 150
+
+    def distances(family):
+        mu, period = family.columns["mu"], family.columns["period"]
+        near = (period > 20.5) & (period < 26.5)
+        return period[near] - 23.5, np.log(limit["at"]["mu"] - mu[near])
+
+    law = np.polyfit(*distances(fine), 3)
+    period, logarithm = distances(family)
+    assert period.size
+    np.testing.assert_allclose(np.polyval(law, period), logarithm, atol=0.01)
 
 
 def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):

@@ -12,7 +12,8 @@ from contin.continuation.settings import Settings
 from contin.model.model import Model
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.linearised.linear import OrbitLinear
-from contin.problems.orbits.mesh.layout import Transfer, node_times
+from contin.problems.orbits.mesh.adaption import choose_mesh, estimate
+from contin.problems.orbits.mesh.layout import Profile, Transfer, node_times
 
 BOUNDS = (-0.5, 1.0)
 
@@ -102,3 +103,20 @@ def test_states_that_almost_die_out_are_resolved_relative_to_their_own_size():
     flow = solve_ivp(logarithms, (0, 700), [0.5, -2.0], method="DOP853", rtol=1e-12, atol=1e-12, events=upwards)
     returns = flow.t_events[0]
     assert cycles.columns["period"][-1] == pytest.approx(returns[-1] - returns[-2], rel=1e-8)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_state_that_is_zero_up_to_rounding_has_no_part_in_the_mesh(sign):
+    """As of a frame that keeps an imaginary part at zero: noise of one sign made errors of 1e3, and useless meshes."""
+    h = np.full(30, 1.0 / 30.0)
+    t = 2.0 * np.pi * node_times(h, 4)
+    circle = np.stack([np.cos(t), np.sin(t)], axis=1)
+    noise = sign * 10.0 ** np.random.default_rng(3).uniform(-31.0, -22.0, len(t))
+    noise[-1] = noise[0]
+    alone = Profile(4, circle, 1.0, h, 0.0)
+    beside = Profile(4, np.column_stack([circle, noise]), 1.0, h, 0.0)
+    assert estimate(beside, np.ones(3))[0] == estimate(alone, np.ones(2))[0]
+    meshes = choose_mesh(alone, np.ones(2), 1e-7, None), choose_mesh(beside, np.ones(3), 1e-7, None)
+    np.testing.assert_array_equal(meshes[1].h, meshes[0].h)
+    small = estimate(beside, np.array([1.0, 1.0, 1e-22]))  # of a state of its own, with that size, it does count
+    assert small[0] > 1e-3

@@ -17,6 +17,7 @@ from contin.kernels.collocation_basis import basis
 from contin.kernels.collocation_mesh import mesh_error
 from contin.machine import elementary
 from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.sizes import TINY_STATE
 
 SMALLEST, LARGEST = 10, 400  # number of intervals
 FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
@@ -47,18 +48,23 @@ def estimate(profile: Profile, sizes: Array, closed: bool = True) -> tuple[float
     )
     if not closed:
         return float(error), density
-    small = _of_one_sign_and_small(profile)
+    small = _of_one_sign_and_small(profile, sizes)
     if small.size:
         density = np.maximum(density, RELATIVE * _relative_density(profile, small))
         error = max(error, float(np.max(scheme.error * elementary.pow(profile.h, profile.m + 1) * density)))
     return float(error), density
 
 
-def _of_one_sign_and_small(profile: Profile) -> NDArray[np.intp]:
-    """States that keep their sign and are much smaller at times than at others."""
+def _of_one_sign_and_small(profile: Profile, sizes: Array) -> NDArray[np.intp]:
+    """States that keep their sign and are much smaller at times than at others.
+
+    None of them is zero up to rounding, such as one that a symmetry or a frame keeps at zero: its sign and its ups and
+    downs are noise, of which no mesh makes less.
+    """
     across = profile.u.T
     low, high = across.min(axis=1), across.max(axis=1)
     varying = np.where(low > 0.0, low < VARYING * high, (high < 0.0) & (high > VARYING * low))
+    varying &= np.maximum(high, -low) > TINY_STATE * sizes
     if not varying.any():
         return np.empty(0, np.intp)
     first, last = profile.u[0], profile.u[-1]  # of a connecting orbit they differ, and do not follow one another
