@@ -78,7 +78,7 @@ def fine(birth):
     ids=str,
 )
 def test_an_approach_is_told_whatever_the_steps(birth, fine, settings):
-    """And every orbit near it has the distance mu* - mu = A(T) exp(-k T) that another of its period has with short ones.
+    """And every orbit near it has the distance mu* - mu = A(T) exp(-k T) of one of its period among short steps.
 
     Close to two passes of one saddle the matrix is nearly singular in the difference of their times. Chord iterations
     stall there, and orbits were taken for solutions that were off by 5 % of the distance to the limit; from those no
