@@ -116,7 +116,6 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
     nodes = z.size - 2 - x.density.size
     sign = 0
     fresh = True
-    newton = False  # the step before was one of Newton's method
     before = math.inf
     for j in range(4):
         sizes[j] = 0.0
@@ -149,9 +148,8 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
                 return sign
             if fresh and ratio > 0.5 and size < STAGNATION and size < sizes[0]:
                 return sign
-            if (fresh and newton and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
+            if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
                 return 0
-        newton = fresh
         fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
         before = size
     return 0
