@@ -18,6 +18,8 @@ VANISHING: Final = 1e-6  # a singular value below this part of the first that do
 NEARBY: Final = 1e-2  # a singular value below this part of the fourth one belongs to a branch point nearby
 LOOSE: Final = 1e-9  # a part of the largest term below which a singular value leaves corrections of rounding only
 
+SmallestValues = tuple[Array, Array]  # singular values of F_u and their right singular vectors as columns
+
 
 def undetermined(problem: BoundaryEquations, z: Array) -> str:
     """In words, where F_u is singular to about rounding at z: which function the conditions leave free; else empty."""
@@ -26,7 +28,7 @@ def undetermined(problem: BoundaryEquations, z: Array) -> str:
     here = mesh.at(x)
     if here is None:
         return ""
-    values, vectors = _smallest(mesh, x, 1)
+    values, vectors = smallest(mesh, x, 1)
     part = float(values[0] / here.linear.magnitude(np.abs(vectors[:, 0])).max())
     if not part < LOOSE:
         return ""
@@ -41,10 +43,10 @@ def undetermined(problem: BoundaryEquations, z: Array) -> str:
 
 def null_vector(mesh: OnMesh, x: Array) -> Array:
     """The right singular vector of F_u at x to its smallest singular value, by inverse iteration; unscaled."""
-    return np.asarray(_smallest(mesh, x, 1)[1][:, 0])
+    return np.asarray(smallest(mesh, x, 1)[1][:, 0])
 
 
-def _smallest(mesh: OnMesh, x: Array, count: int) -> tuple[Array, Array]:
+def smallest(mesh: OnMesh, x: Array, count: int = MOST_TOLD) -> SmallestValues:
     """The smallest singular values of F_u, ascending, and their right singular vectors as columns, unscaled."""
     linear = mesh.linear(x)
     if linear is None:
@@ -56,18 +58,18 @@ def _smallest(mesh: OnMesh, x: Array, count: int) -> tuple[Array, Array]:
     return 1.0 / np.maximum(np.abs(np.diag(grown)), 1e-300), v
 
 
-def kernel_dimension(mesh: OnMesh, x: Array) -> int:
+def kernel_dimension(small: SmallestValues) -> int:
     """How many singular values of F_u vanish at a branch point, of those that the reduced equation can tell apart.
 
     Of a kernel of two dimensions one more vanishes, and the equation reduced to one direction has no coefficients.
     """
-    values = np.sort(_smallest(mesh, x, MOST_TOLD)[0])
+    values = np.sort(small[0])
     return max(1, int(np.count_nonzero(values[:-1] < VANISHING * values[-1])))
 
 
-def nearly_null(mesh: OnMesh, x: Array) -> Array:
+def nearly_null(mesh: OnMesh, x: Array, small: SmallestValues) -> Array:
     """Right singular vectors (n, k) of F_u at x whose singular values are small beside the next one, smallest first."""
-    basis = _smallest(mesh, x, MOST_TOLD)[1]
+    basis = small[1]
     linear = mesh.linear(x)
     assert linear is not None
     _, values, rotation = np.linalg.svd(linear.matrix @ basis, full_matrices=False)

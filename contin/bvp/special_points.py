@@ -6,8 +6,8 @@ of the branch. The stated error holds what the same point moves to on a mesh of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp import normal_forms
 from contin.bvp.condensed import linearise, residual_at
-from contin.bvp.kernel_at_branch_point import kernel_dimension, nearly_null, null_vector
+from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import InputError
@@ -59,19 +59,24 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     mesh = OnMesh(problem, problem.profile(near.z).h)
     here = _in_unknowns(mesh, near)
     local = Frame(mesh.unknowns(frame.scale))
-    found = (_fold if type_ == "LP" else _branch_point)(mesh, here, local)
+    found = _fold(mesh, here, local) if type_ == "LP" else _branch_point(mesh, here, local)
     if isinstance(found, Rejected):
         return found
-    x, residual, scatter, form, vectors = found
+    x, scatter = found.x, found.scatter()
+    if not np.isfinite(scatter):
+        return unverified(type_, "its place is not determined to any accuracy")
     other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
     if other is None:
         return unverified(type_, "it is not there on a mesh of twice as many intervals")
-    crowded = False
-    if type_ == "BP":
-        form = _decided(mesh, x, form, scatter + abs(other - float(x[-1])))
-        crowded = nearly_null(mesh, x).shape[1] > 1
-    error = scatter + ORDER * abs(other - float(x[-1])) + ROUNDING * abs(float(x[-1]))
-    return Verified(type_, mesh.full(x), residual, error, NO_VALUES, 0, form, vectors, crowded=crowded)
+    moved = abs(other - float(x[-1]))
+    error = scatter + ORDER * moved + ROUNDING * abs(float(x[-1]))
+    if type_ == "LP":
+        form = normal_forms.fold(mesh, x, found.direction)
+        return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {})
+    small = smallest(mesh, x)
+    form = _form_of_branch_point(mesh, x, small, scatter + moved)
+    crowded = nearly_null(mesh, x, small).shape[1] > 1
+    return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {"kernel": 1}, crowded=crowded)
 
 
 def verify_compound(problem: BoundaryEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
@@ -88,13 +93,13 @@ def _together(problem: BoundaryEquations, near: Sample, frame: Frame) -> Sequenc
     here, local = _in_unknowns(mesh, near), Frame(mesh.unknowns(frame.scale))
     if mesh.at(here.z) is None:
         return [verify(problem, "BP", near, frame)]
-    directions = nearly_null(mesh, here.z)
+    directions = nearly_null(mesh, here.z, smallest(mesh, here.z))
     found: list[Outcome] = []
     for q in directions.T:
         first = _branch_point(mesh, here, local, q)
         if isinstance(first, Rejected):
             continue
-        one = verify(problem, "BP", replace(near, z=mesh.full(first[0])), frame)
+        one = verify(problem, "BP", replace(near, z=mesh.full(first.x)), frame)
         if isinstance(one, Verified) and not any(_is_one(one, o, mesh, local) for o in found):
             found.append(one)
     if not found:
@@ -111,7 +116,14 @@ def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:
     return apart <= 3.0 * (a.error + b.error) / float(frame.scale[-1]) + ROUNDING
 
 
-Found = tuple[Array, float, float, Fields, Fields]  # x, residual, error, normal form, vectors
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A point x on one mesh, its residual, the direction in which the solution moves there, and how far x scatters."""
+
+    x: Array
+    residual: float
+    direction: Array
+    scatter: Callable[[], float]
 
 
 def _in_unknowns(mesh: OnMesh, sample: Sample) -> Sample:
@@ -127,8 +139,7 @@ def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT:
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
-    q = at.tangent[:-1] * frame.scale[:-1]
-    return at.z, residual, error, normal_forms.fold(mesh, at.z, q), {}
+    return Found(at.z, residual, at.tangent[:-1] * frame.scale[:-1], lambda: error)
 
 
 def reduction(
@@ -146,38 +157,40 @@ def reduction(
     linear = mesh.linear(x)
     assert linear is not None
     left = linear.factor.solve_transposed(q)
-    return Reduced(mesh, rows, left / norm(left)), q
+    return Reduced(mesh, rows, left / norm(left), scale), q
 
 
 def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = None) -> Found | Rejected:
-    reduced, _ = reduction(mesh, near.z, near.tangent, frame.scale, q)
+    reduced, q = reduction(mesh, near.z, near.tangent, frame.scale, q)
     found = reduced.branch_point(near.z)
     if found is None:
         return unverified("BP", "Newton on the reduced equation did not converge")
-    x, mu, gradient = found
-    residual = max(float(np.max(np.abs(mesh.residual(x)))), abs(mu), float(np.max(np.abs(gradient))))
+    x, left = found.z, max(abs(found.mu), float(np.max(np.abs(found.gradient))))
+    residual = max(float(np.max(np.abs(mesh.residual(x)))), left)
     if not residual < RESIDUAL_LIMIT:
         return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
-    shift = np.random.default_rng(3).uniform(-1.0, 1.0, x.size) / np.sqrt(x.size)
-    again = reduced.branch_point(x + PERTURBATION * frame.scale * shift)
-    scatter = np.inf if again is None else 4.0 * abs(float(again[0][-1] - x[-1]))
-    if not np.isfinite(scatter):
-        return unverified("BP", "its place is not determined to any accuracy")
-    return x, residual, scatter, normal_forms.branch_point(mesh, x, null_vector(mesh, x)), {"kernel": 1}
+
+    def scatter() -> float:
+        shift = np.random.default_rng(3).uniform(-1.0, 1.0, x.size) / np.sqrt(x.size)
+        again = reduced.branch_point(x + PERTURBATION * frame.scale * shift, found.hessian)
+        return np.inf if again is None else 4.0 * abs(float(again.z[-1] - x[-1]))
+
+    return Found(x, residual, q, scatter)
 
 
-def _decided(mesh: OnMesh, x: Array, form: Fields, error: float) -> Fields:
+def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float) -> Fields:
     """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
 
     Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
     dimension there are no coefficients of one direction.
     """
-    kernel = kernel_dimension(mesh, x)
+    kernel, q = kernel_dimension(small), small[1][:, 0]
     if kernel > 1:
         return {"kind": "degenerate", "kernel": kernel}
+    form = normal_forms.branch_point(mesh, x, q)
     moved = x.copy()
     moved[-1] += max(error, ROUNDING)
-    other = normal_forms.branch_point(mesh, moved, null_vector(mesh, x))
+    other = normal_forms.branch_point(mesh, moved, q)
     errors = {name: abs(float(form[name]) - float(other[name])) for name in ("b11", "b20", "b30")}
     found = {name: value for name, value in form.items() if name != "criticality"} | {"errors": errors}
     if form["kind"] == "pitchfork" and abs(float(form["b30"])) <= WITHIN * errors["b30"]:
@@ -197,8 +210,9 @@ def _on_finer_mesh(
     raw = mesh.unknowns(near.tangent) * mesh.unknowns(frame.scale)
     t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale
     start = Sample(np.append(old.u.ravel(), x[-1]), t / norm(t), near.tests, 0, NO_VALUES)
-    found = (_fold if type_ == "LP" else _branch_point)(finer, start, Frame(scale))
-    return None if isinstance(found, Rejected) else float(found[0][-1])
+    local = Frame(scale)
+    found = _fold(finer, start, local) if type_ == "LP" else _branch_point(finer, start, local)
+    return None if isinstance(found, Rejected) else float(found.x[-1])
 
 
 def tangents(problem: BoundaryEquations, z: Array, scale: Array) -> list[Array]:

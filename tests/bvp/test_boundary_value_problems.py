@@ -6,6 +6,7 @@ import pytest
 import contin
 from contin.bvp.from_guess import boundary_guess
 from contin.errors import InputError, NoSolutionError
+from contin.linalg.balanced import Balanced
 from contin.machine import elementary
 from contin.model.model import Model
 
@@ -314,3 +315,17 @@ def test_a_state_of_rest_has_the_natural_sizes_of_what_is_zero_there():
     c = 0.96 / (x + 0.04) ** 3 + 0.04 / (0.96 - x) ** 3
     point = line["BP1"]
     assert abs(point.values["T"] - np.pi / np.sqrt((2 - c + np.sqrt(9 * c * c - 8 * c)) / 2)) <= point.error < 1e-9
+
+
+def test_a_branch_point_takes_a_dozen_factorisations(monkeypatch):
+    """On the branch's mesh, from a point beside it for its scatter, and on a mesh of twice as many intervals."""
+    counted, whole = [], Balanced.of
+
+    def of(matrix, factoriser):
+        counted.append(matrix.shape)
+        return whole(matrix, factoriser)
+
+    monkeypatch.setattr(Balanced, "of", of)
+    line = follow(SINE, "q", (0.5, 3.5), direction="up")
+    assert len(line.points) == 3
+    assert len(counted) <= 36  # 32 measured; 85 when each step solved for the curve anew

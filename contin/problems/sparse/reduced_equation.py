@@ -22,11 +22,14 @@ from contin.abi import Array
 from contin.errors import NotFiniteError
 from contin.linalg.linear import Solution
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
 
 STEPS: Final = 12
+EPSILON: Final = float(np.finfo(float).eps)
+STALLED: Final = 1e-7  # a correction that no longer falls is rounding of a nearly degenerate point
 M = TypeVar("M", float, Array)
 
 
@@ -44,12 +47,26 @@ def settled(correction: Callable[[Array, M], tuple[Array, M]], z: Array, mu: M) 
 
 
 @dataclass(frozen=True, eq=False)
+class Crossing:
+    """A branch point z, what is left there of mu and of its gradient (2,), and the Hessian (2, 2) next to it."""
+
+    z: Array
+    mu: float
+    gradient: Array
+    hessian: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Reduced:
-    """The reduction around z0 (raw unknowns (n + 1,)) with border rows C (n + 1, 2), raw, and column b (n,)."""
+    """The reduction around z0 (raw unknowns (n + 1,)) with border rows C (n + 1, 2), raw, and column b (n,).
+
+    scale : (n + 1,), in whose units z is measured and the rows C have length 1.
+    """
 
     problem: SparseEquations
     rows: Array
     column: Array
+    scale: Array
 
     def solver(self, z: Array) -> Solution:
         """K at z, its unknowns in the order (state, mu, parameter); NotFiniteError where F_u is not finite."""
@@ -65,14 +82,6 @@ class Reduced:
         """(z part (n + 1,), mu part) of K^-1 (f, g)."""
         x = np.real(solver.solve(np.concatenate([f, g])))
         return np.append(x[:-2], x[-1]), float(x[-2])
-
-    def onto(self, z: Array, mu: float, target: Array, origin: Array) -> tuple[Array, float]:
-        """The point with C^T (z - origin) = target and F + mu b = 0, by Newton from (z, mu)."""
-        def correction(z: Array, mu: float) -> tuple[Array, float]:
-            f = self.problem.residual(z) + mu * self.column
-            return self.solve(self.solver(z), -f, target - self.rows.T @ (z - origin))
-
-        return settled(correction, z, mu)
 
     def first(self, z: Array) -> tuple[Solution, Array, Array]:
         """The solver at z, z_i as rows (2, n + 1), and the gradient mu_i (2,)."""
@@ -90,34 +99,44 @@ class Reduced:
                 hessian[i, j] = hessian[j, i] = value
         return hessian
 
-    def branch_point(self, z: Array) -> tuple[Array, float, Array] | None:
-        """Newton on mu_1 = mu_2 = 0 from z on the curve: the point, mu there, and the gradient that is left."""
+    def branch_point(self, z: Array, hessian: Array | None = None) -> Crossing | None:
+        """Newton on F + mu b = 0, mu_1 = mu_2 = 0 from z next to the curve.
+
+        hessian : mu_ij of a point nearby, which is kept then: convergence is linear, with the distance to it as rate.
+        """
         try:
-            return self._newton(z)
+            return self._newton(z, hessian)
         except NotFiniteError:  # not verified, in words
             return None
 
-    def _newton(self, z: Array) -> tuple[Array, float, Array] | None:
+    def _newton(self, z: Array, known: Array | None) -> Crossing | None:
+        """One factorisation of K an iteration: it corrects z and mu, and gives the gradient and its derivatives.
+
+        The gradient is that before the correction onto the curve, of second order in the step before: so is the whole.
+        """
         origin, a, mu = z, np.zeros(2), 0.0
         before = np.inf
-        gradient = np.full(2, np.nan)
-        for _ in range(STEPS):
-            z, mu = self.onto(z, mu, a, origin)
+        for k in range(STEPS):
             solver, along, gradient = self.first(z)
-            hessian = self.second(z, solver, along)
-            if not np.all(np.isfinite(hessian)):
+            hessian = self.second(z, solver, along) if known is None else known
+            left = self.problem.residual(z) + mu * self.column
+            moved, added = self.solve(solver, -left, a - self.rows.T @ (z - origin))
+            if not (np.all(np.isfinite(hessian)) and np.all(np.isfinite(moved))):
                 return None
             step = np.linalg.lstsq(hessian, -gradient, rcond=None)[0]
-            size = float(np.linalg.norm(step))
+            size = float(elementary.hypot(norm(step), norm(moved / self.scale)))
             if not np.isfinite(size):
                 return None
-            if size >= 0.5 * before and size < 1e-7:
+            if k > 1:  # (the second correction follows that onto the curve, which may be smaller)
+                if size >= 0.5 * before and size < STALLED:
+                    break
+                if size > 2.0 * before:
+                    return None
+            z, mu, a = z + moved + step @ along, mu + added + float(gradient @ step), a + step
+            if k > 0 and size * (size / before) < EPSILON:  # what is left falls as much again: rounding
                 break
-            if before < np.inf and size > 2.0 * before:
-                return None
-            a = a + step
             before = size
-        return z, mu, gradient
+        return Crossing(z, mu, gradient, hessian)
 
     def crossing(self, z: Array) -> list[tuple[Array, Array]]:
         """Tangents z' and second derivatives z'' (raw) of the branches that cross at the branch point z."""

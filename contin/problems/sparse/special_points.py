@@ -270,7 +270,7 @@ def reduction(problem: LargeEquations, z: Array, tangent: Array, scale: Array) -
     other /= norm(other)
     rows = np.column_stack([null, other]) / scale[:, None]
     size = scale[:-1] / norm(null[:-1])
-    return Reduced(problem, rows, null[:-1] * size), q
+    return Reduced(problem, rows, null[:-1] * size, scale), q
 
 
 def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
@@ -278,16 +278,16 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
     found = reduced.branch_point(near.z)
     if found is None:
         return unverified("BP", "Newton on the reduced equation did not converge")
-    z, mu, _ = found
-    residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(mu))
+    z = found.z
+    residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(found.mu))
     if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
         return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
     generator = np.random.default_rng(3)
     scatter = 0.0
     for _ in range(SAMPLES):
         shifted = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
-        again = reduced.branch_point(shifted)
-        scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
+        again = reduced.branch_point(shifted, found.hessian)
+        scatter = np.inf if again is None else max(scatter, abs(float(again.z[-1] - z[-1])))
     spectrum = problem.spectrum(z, at_zero=True)
     together = _vanishing(problem, z, spectrum.values)
     if together > 1:  # rounding has split them, and some seem to cross next to the others
