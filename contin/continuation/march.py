@@ -18,7 +18,7 @@ from contin.abi import Array
 from contin.continuation.problem import Chunk, Failure, Frame, Planar, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels import steering
-from contin.kernels.steering import GUARD_FLOOR, RESCALE_AT, SHORTEST, STAGNATION, is_dip
+from contin.kernels.steering import AT_CORNER, RESCALE_AT, STAGNATION, STRAYED, TURNED, is_dip
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
@@ -317,31 +317,22 @@ def _step(
         evaluations += found.iterations
         sample = measure(problem, found, reference)
         cosine = dot(last.tangent, sample.tangent)
-        if not cosine >= cos_max:
-            if h <= max(settings.min_step, SHORTEST):
-                return _Taken(sample, found, cosine, True, h, evaluations)
-            h = max(0.5 * h, settings.min_step, SHORTEST)
+        verdict = steering.judged(
+            sample.tests, last.tests[None], 0, (old or last).tests, decisions.guarded, decisions.signed, cosine,
+            cos_max, h, settings.min_step, h_previous if curved else 0.0, blocks < 8,
+        )  # fmt: skip
+        if verdict in (TURNED, STRAYED):
+            blocks += verdict == STRAYED
+            h = steering.shortened(verdict, h, settings.min_step)
             continue
-        guarding = old is not None and curved and h > GUARD_FLOOR and blocks < 8
-        if guarding and _strays(old, last, sample, decisions, h, h_previous):
-            blocks += 1
-            h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-            continue
+        if verdict == AT_CORNER:
+            return _Taken(sample, found, cosine, True, h, evaluations)
         landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
         if landed and blocks < 8 and h > settings.min_step:
             blocks = 8
             h = max(0.9 * h, settings.min_step)
             continue
         return _Taken(sample, found, cosine, False, h, evaluations)
-
-
-def _strays(
-    old: Sample | None, last: Sample, here: Sample, decisions: Decisions, h: float, h_previous: float
-) -> bool:
-    """Whether a test is far from what the two samples before predict."""
-    assert old is not None
-    guarded, signed = decisions.guarded, decisions.signed
-    return bool(steering.strays(here.tests, last.tests[None], 0, old.tests, guarded, signed, h, h_previous))
 
 
 def _what_happened(
@@ -355,8 +346,7 @@ def _what_happened(
     walls = [(-1, *bounds)] if planar is None else planar.walls
     if any(not lowest <= sample.z[index] <= highest for index, lowest, highest in walls):
         return Stop.BOUND, 0
-    crossed = (sample.tests * last.tests < 0.0) | ((sample.tests == 0.0) != (last.tests == 0.0))
-    if sample.unstable != last.unstable or np.any(crossed):
+    if sample.unstable != last.unstable or steering.crossed(sample.tests, last.tests[None], 0):
         return Stop.EVENT, 0
     if old is not None and h_previous > 0:
         dipped = steering.dipping(sample.tests, last.tests[None], 0, old.tests, dips, h_previous, h)

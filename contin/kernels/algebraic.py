@@ -21,24 +21,27 @@ from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
 from contin.kernels.grading import grade, uniform_rates
 from contin.kernels.steering import (
+    ACCEPTED,
+    AT_CORNER,
     BOUND,
     CORNER,
     CORRECTOR,
-    DIP,
-    EVENT,
-    GUARD_FLOOR,
     LIMIT,
     LOOP,
     NOT_FINITE,
     RESCALE,
     RESCALE_AT,
-    SHORTEST,
     STAGNATION,
-    dipping,
+    STRAYED,
+    crossed,
+    judged,
+    met,
     next_step,
     passes_start,
+    recall,
+    record,
     set_out,
-    strays,
+    shortened,
     turn,
 )
 from contin.kernels.tests_of_stability import flow_tests, map_tests
@@ -316,20 +319,16 @@ def march(
         reference += math.log(scale_of_det)
         tests[1] /= scale_of_det
     info[3] = reference
-    for j in range(n + 1):
-        out_t[0, j] = tangent[j]
-    for i in range(TESTS):
-        out_tests[0, i] = tests[i]
+    record(tangent, tests, out_t, out_tests, 0)
     out_unstable[0] = unstable
-    guard_blocks = 0
+    strayed = 0
     for k in range(limit):
         row = k + 1
         for j in range(n + 1):
             tangent[j] = out_t[k, j]
-            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
+        recall(out_t, previous_tangent, k, old)
         if k > 0:
             h_previous = out_h[k]
-        corner = False
         while True:
             set_out(out_z[k], tangent, old, scale, h, h_previous, y, z)
             sign = correct(
@@ -356,52 +355,38 @@ def march(
             cosine = 0.0
             for j in range(n + 1):
                 cosine += tangent[j] * out_t[row, j]
-            if not cosine >= cos_max:
-                if h <= max(h_min, SHORTEST):
-                    corner = True
-                    break
-                h = max(0.5 * h, h_min, SHORTEST)
-                continue
-            guarding = h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 8
-            if guarding and strays(tests, out_tests, k, previous_tests, 1, False, h, h_previous):
-                guard_blocks += 1
-                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                continue
-            if guard_blocks < 8 and h > h_min:
+            verdict = judged(
+                tests, out_tests, k, previous_tests, 1, False, cosine, cos_max, h, h_min, h_previous, strayed < 8
+            )
+            if verdict == ACCEPTED and strayed < 8 and h > h_min:
                 landed = False
                 for i in range(TESTS):
                     landed |= abs(tests[i]) < LANDED * abs(out_tests[k, i])
                 if landed:
-                    guard_blocks = 8
+                    strayed = 8
                     h = max(0.9 * h, h_min)
                     continue
-            break
-        guard_blocks = 0
+            if verdict in (ACCEPTED, AT_CORNER):
+                break
+            strayed += verdict == STRAYED
+            h = shortened(verdict, h, h_min)
+        strayed = 0
         out_h[row] = h
         out_unstable[row] = unstable
-        for j in range(n + 1):
-            out_z[row, j] = z[j]
-        for i in range(TESTS):
-            out_tests[row, i] = tests[i]
+        record(z, tests, out_z, out_tests, row)
         info[0] = row
-        angle = turn(cosine, target_angle) if not corner else target_angle
+        angle = turn(cosine, target_angle) if verdict != AT_CORNER else target_angle
         h_used = h
         h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
         info[1] = h
-        if corner:
+        if verdict == AT_CORNER:
             return CORNER
         if z[n] < bounds[0] or z[n] > bounds[1]:
             return BOUND
-        changed = unstable != out_unstable[k]
-        for i in range(TESTS):
-            changed |= tests[i] * out_tests[k, i] < 0.0 or (tests[i] == 0.0) != (out_tests[k, i] == 0.0)
-        if changed:
-            return EVENT
-        if h_previous > 0.0:
-            dipped = dipping(tests, out_tests, k, previous_tests, 0, h_previous, h_used)
-            if dipped >= 0:
-                info[4] = dipped
-                return DIP
+        changed = unstable != out_unstable[k] or crossed(tests, out_tests, k)
+        what = met(tests, out_tests, k, previous_tests, 0, changed, h_previous, h_used, info)
+        if what != LIMIT:
+            return what
         if loop_z.size > 0 and passes_start(z, out_z[k], loop_z, loop_tangent, every, periods, scale, h_used):
             return LOOP
         for j in range(n):

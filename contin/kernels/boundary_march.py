@@ -13,9 +13,21 @@ from collections import namedtuple
 
 import numpy as np
 
+from contin.kernels.chords import (
+    AFRESH,
+    CONVERGED,
+    EXACT,
+    FAILED,
+    ITERATIONS,
+    STALE,
+    allowed,
+    follows,
+    is_stale,
+    kept,
+)
 from contin.kernels.collocation import evaluate, residual
-from contin.kernels.collocation_march import EXACT, FACTORISATIONS, ITERATIONS, MARCH, MOVED, PATIENCE, SLOW, STALE
-from contin.kernels.collocation_mesh import evened, mesh_error
+from contin.kernels.collocation_march import MARCH
+from contin.kernels.collocation_mesh import mesh_error
 from contin.kernels.collocation_steps import advance, along, direct, distance, length, predict
 from contin.kernels.collocation_system import clear_right, expand, reduce_right
 from contin.kernels.compile import call4, kernel
@@ -24,22 +36,24 @@ from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.filling import fill
 from contin.kernels.signature import structure
 from contin.kernels.steering import (
+    ACCEPTED,
+    AT_CORNER,
     BOUND,
     CORNER,
     CORRECTOR,
-    DIP,
-    EVENT,
-    GUARD_FLOOR,
     LIMIT,
     LOOP,
     NOT_FINITE,
     RESCALE,
-    SHORTEST,
-    STAGNATION,
-    dipping,
+    STRAYED,
+    crossed,
+    judged,
+    met,
     next_step,
     passes_start,
-    strays,
+    recall,
+    record,
+    shortened,
 )
 
 TESTS = 2
@@ -175,22 +189,12 @@ def correct(c, e, w, s, x, z0, tangent, scale, reach, tolerance):
                 return 0
         solve(c, s, n, m, jump, right, True, step)
         size = advance(z, step, scale, nodes)
-        sizes[2] += size
-        if iteration == 0:
-            sizes[0] = size
-        if size <= tolerance and (fresh or size < 0.5 * before):
+        following = follows(iteration, size, before, fresh, True, tolerance, sizes)
+        if following == CONVERGED:
             return sign
-        if not size < 1e3:
+        if following == FAILED:
             return 0
-        ratio = size / before
-        if iteration > 0:
-            if ratio < 0.5 and size * ratio < 0.1 * tolerance:
-                return sign
-            if fresh and ratio > 0.5 and size < STAGNATION and size < sizes[0]:
-                return sign
-            if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
-                return 0
-        fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
+        fresh = following == AFRESH
         before = size
     return 0
 
@@ -265,13 +269,7 @@ def follow(
     evaluations = sizes_of[1]
     if mode == MARCH:
         moved = distance(z, out_z[0], scale)
-        kept = sign == 0 or sign == 2 or not moved < MOVED
-        for j in range(size):
-            if kept or moved <= tolerance:
-                z[j] = out_z[0, j]
-            else:
-                out_z[0, j] = z[j]
-        if kept or sizes_of[2] > STALE:
+        if kept(z, out_z, sign, moved, tolerance) or sizes_of[2] > STALE:
             sign = 0
     elif sign == 0 or sign == 2:
         return -1 if sign == 0 else -2
@@ -286,33 +284,27 @@ def follow(
         return CORRECTOR if mode == MARCH else -1
     measure(c, e, s, x, scale, sign, reference, start, out_t, tests)
     if mode != MARCH:
-        for j in range(size):
-            out_z[1, j] = z[j]
-        for i in range(TESTS):
-            out_tests[1, i] = tests[i]
+        record(z, tests, out_z, out_tests, 1)
         return 0
     if tests[1] != 0.0:
         reference = math.log(abs(tests[1]))
     tests[1] = float(sign)
     info[3] = reference
-    for i in range(TESTS):
-        out_tests[0, i] = tests[i]
-    guard_blocks = 0
+    record(z, tests, out_z, out_tests, 0)
+    strayed = 0
     for k in range(limit):
         row = k + 1
         tangent = out_t[k]
-        for j in range(size):
-            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
-            x.before[j] = out_z[k - 1, j] if k > 0 else previous_z[j]
+        recall(out_t, previous_tangent, k, old)
+        recall(out_z, previous_z, k, x.before)
         if k > 0:
             h_previous = out_h[k]
-        corner = False
         cosine = 1.0
         while True:
             predict(out_z[k], tangent, x.before, old, scale, h, h_previous, z)
             sign = correct(c, e, w, s, x, out_z[k], tangent, scale, h, tolerance)
             info[2] += sizes_of[1]
-            if sign != 0 and sign != 2 and sizes_of[2] > STALE:
+            if is_stale(sign, sizes_of[2], 1.0):
                 sign = renew(c, e, w, s, x, tangent, scale)
                 info[2] += 1.0
             if sign != 0 and sign != 2 and distance(z, out_z[k], scale) > FAR * h + 10.0 * tolerance:
@@ -328,50 +320,35 @@ def follow(
             cosine = 0.0
             for j in range(size):
                 cosine += tangent[j] * out_t[row, j]
-            if not cosine >= cos_max:
-                if h <= max(h_min, SHORTEST):
-                    corner = True
-                    break
-                h = max(0.5 * h, h_min, SHORTEST)
-                continue
-            guarding = h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 3
-            if guarding and strays(tests, out_tests, k, previous_tests, 1, False, h, h_previous):
-                guard_blocks += 1
-                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                continue
-            break
-        guard_blocks = 0
+            verdict = judged(
+                tests, out_tests, k, previous_tests, 1, False, cosine, cos_max, h, h_min, h_previous, strayed < 3
+            )
+            if verdict in (ACCEPTED, AT_CORNER):
+                break
+            strayed += verdict == STRAYED
+            h = shortened(verdict, h, h_min)
+        strayed = 0
         out_h[row] = h
-        for j in range(size):
-            out_z[row, j] = z[j]
-        for i in range(TESTS):
-            out_tests[row, i] = tests[i]
+        record(z, tests, out_z, out_tests, row)
         info[0] = row
-        angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
+        angle = math.acos(min(cosine, 1.0)) if verdict != AT_CORNER else target_angle
         h_used = h
         h = next_step(h, angle, target_angle, sizes_of[0], WANTED, 4.0, sizes_of[1], 5.0, h_min, h_max)
         info[1] = h
-        if corner:
+        if verdict == AT_CORNER:
             return CORNER
         if z[last] < bounds[0] or z[last] > bounds[1]:
             return BOUND
-        changed = False
-        for i in range(TESTS):
-            changed |= tests[i] * out_tests[k, i] < 0.0 or (tests[i] == 0.0) != (out_tests[k, i] == 0.0)
-        if changed:
-            return EVENT
-        if h_previous > 0.0:
-            dipped = dipping(tests, out_tests, k, previous_tests, 0, h_previous, h_used)
-            if dipped >= 0:
-                info[4] = dipped
-                return DIP
+        changed = crossed(tests, out_tests, k)
+        what = met(tests, out_tests, k, previous_tests, 0, changed, h_previous, h_used, info)
+        if what != LIMIT:
+            return what
         if loop_z.size == size and passes_start(z, out_z[k], loop_z, loop_tangent, x.every, x.none, scale, h_used):
             return LOOP
         if outgrown(z, n, count, sizes):
             return RESCALE
         error = mesh_error(z, n, m, intervals, False, top, error_constant, sizes, density)
-        if error > error_limit:
-            if evened(z, n, m, error_constant, density) <= worthwhile * error or worthwhile == 0.0:
-                return RESCALE
-            error_limit = PATIENCE * error
+        error_limit = allowed(z, n, m, error_constant, density, error, error_limit, worthwhile)
+        if error_limit == 0.0:
+            return RESCALE
     return LIMIT

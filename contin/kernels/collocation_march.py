@@ -18,8 +18,20 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.algebraic import TESTS
+from contin.kernels.chords import (
+    AFRESH,
+    CONVERGED,
+    EXACT,
+    FAILED,
+    ITERATIONS,
+    STALE,
+    allowed,
+    follows,
+    is_stale,
+    kept,
+)
 from contin.kernels.collocation import evaluate, new_points, residual, set_phase
-from contin.kernels.collocation_mesh import evened, mesh_error
+from contin.kernels.collocation_mesh import mesh_error
 from contin.kernels.collocation_steps import advance, along, direct, distance, predict, product
 from contin.kernels.collocation_system import factorise, new_factors, solve, solve_start
 from contin.kernels.compile import call3, kernel
@@ -28,34 +40,28 @@ from contin.kernels.filling import fill
 from contin.kernels.floquet import deflate, multipliers, transitions
 from contin.kernels.signature import structure
 from contin.kernels.steering import (
+    ACCEPTED,
+    AT_CORNER,
     BOUND,
     CLOSE,
     CORNER,
     CORRECTOR,
-    DIP,
-    EVENT,
-    GUARD_FLOOR,
     LIMIT,
     LOOP,
     NOT_FINITE,
     RESCALE,
-    SHORTEST,
-    STAGNATION,
-    dipping,
+    STRAYED,
+    judged,
+    met,
     next_step,
-    strays,
+    recall,
+    record,
+    shortened,
 )
 from contin.kernels.tests_of_stability import map_tests
 
 MARCH, PROBE, STABILITY, CORRECT = range(4)  # what `follow` does
 
-ITERATIONS = 14
-FACTORISATIONS = 6
-SLOW = 0.15  # a chord iteration that contracts less than this is followed by a new factorisation
-STALE = 2e-3  # factors are renewed before measuring when the point has moved further than this part of the orbit since
-EXACT = 1e-9  # scaled distance within which factors give the tests of a probed point
-PATIENCE = 2.0  # growth of the error after which an even mesh of a fixed number of intervals is looked at again
-MOVED = 0.05  # scaled distance beyond which the corrected point on a new mesh is not the same orbit
 WANTED = 1.5e-3  # first correction, as a part of the orbit's size, that the step control aims at
 OUTGROWN = 2.0  # sizes beyond which a state has another one
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
@@ -68,7 +74,7 @@ Scratch = namedtuple(
         "old",  # the tangent before the last one
         "before",  # the point before the last one
         "tests",
-        "sizes",  # of a correction: [first, evaluations, moved since the last factorisation, factorisations]
+        "sizes",  # of a correction, see `contin.kernels.chords`
         "density",
         "transitions",  # (N, n, n)
         "field",  # (N, n) f at the mesh points
@@ -105,10 +111,6 @@ def new_memory(n, m, nontrivial, intervals, size, p):
 def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
     """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = reach, on x.z (phase row set).
 
-    Corrections that no longer fall are at the attainable accuracy only where they are Newton's: chord iterations stall
-    in the direction in which the matrix is nearly singular (the times of two passes of one saddle, whose sum is the
-    period), and leave an orbit 1000 times as far from the family as their length says.
-
     Returns the sign of the determinant (+1, -1), 0 (no convergence) or 2 (not finite); `s` holds the last factors.
     """
     n, m = e.n, e.m
@@ -135,22 +137,12 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
                 return 0
         solve(s, n, m, jump, right, 1.0, True, step)
         size = advance(z, step, scale, nodes)
-        sizes[2] += size
-        if iteration == 0:
-            sizes[0] = size
-        if size <= tolerance and (fresh or size < 0.5 * before):
+        following = follows(iteration, size, before, fresh, z[nodes] > 0.0, tolerance, sizes)
+        if following == CONVERGED:
             return sign
-        if not size < 1e3 or not z[nodes] > 0.0:
+        if following == FAILED:
             return 0
-        ratio = size / before
-        if iteration > 0:
-            if ratio < 0.5 and size * ratio < 0.1 * tolerance:
-                return sign
-            if fresh and ratio > 0.5 and size < STAGNATION and size < sizes[0]:
-                return sign
-            if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
-                return 0
-        fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
+        fresh = following == AFRESH
         before = size
     return 0
 
@@ -174,15 +166,9 @@ def settled(e, w, s, x, here, sign, scale, sizes, tolerance):
     """
     z, size = x.z, scale.size
     nodes = size - 2 - x.density.size
-    moved = distance(z, here[0], scale)
-    kept = sign == 0 or sign == 2 or not moved < MOVED
-    for j in range(size):
-        if kept or moved <= tolerance:
-            z[j] = here[0, j]
-        else:
-            here[0, j] = z[j]
+    stays = kept(z, here, sign, distance(z, here[0], scale), tolerance)
     set_phase(e, w, z, sizes)
-    return 0 if kept or x.sizes[2] > STALE * min(1.0, extent(z, e.n, nodes // e.n, sizes)[0]) else sign
+    return 0 if stays or x.sizes[2] > STALE * min(1.0, extent(z, e.n, nodes // e.n, sizes)[0]) else sign
 
 
 @kernel("Equations, Points, Factors, Scratch -> f")
@@ -354,10 +340,7 @@ def follow(
         return -1 if mode == PROBE else CORRECTOR
     unstable = measure(e, w, s, x, scale, sizes, sign, reference, -1, start, out_t, tests, out_re, out_im)
     if mode == PROBE:
-        for j in range(size):
-            out_z[1, j] = z[j]
-        for i in range(TESTS):
-            out_tests[1, i] = tests[i]
+        record(z, tests, out_z, out_tests, 1)
         return unstable
     for i in range(6):
         info[i] = 0.0
@@ -366,30 +349,27 @@ def follow(
     reference = math.log(abs(tests[1]))
     tests[1] = float(sign)
     info[3] = reference
-    for i in range(TESTS):
-        out_tests[0, i] = tests[i]
+    record(z, tests, out_z, out_tests, 0)
     out_unstable[0] = unstable
     out_error[0] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
     swing, _ = extent(z, n, count, sizes)
-    guard_blocks = 0
+    strayed = 0
     for k in range(limit):
         row = k + 1
         tangent = out_t[k]
-        for j in range(size):
-            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
-            x.before[j] = out_z[k - 1, j] if k > 0 else previous_z[j]
+        recall(out_t, previous_tangent, k, old)
+        recall(out_z, previous_z, k, x.before)
         if k > 0:
             h_previous = out_h[k]
             for j in range(size):
                 z[j] = out_z[k, j]
             set_phase(e, w, z, sizes)
-        corner = False
         cosine = 1.0
         while True:
             predict(out_z[k], tangent, x.before, old, scale, h, h_previous, z)
             sign = correct(e, w, s, x, out_z[k], tangent, scale, h, tolerance)
             info[2] += sizes_of[1]
-            if sign != 0 and sign != 2 and sizes_of[2] > STALE * min(1.0, swing):
+            if is_stale(sign, sizes_of[2], min(1.0, swing)):
                 sign = renew(e, w, s, x, tangent, scale)
                 info[2] += 1.0
             if sign == 0 or sign == 2:
@@ -401,46 +381,34 @@ def follow(
                 continue
             unstable = measure(e, w, s, x, scale, sizes, sign, reference, k, row, out_t, tests, out_re, out_im)
             cosine = product(tangent, out_t[row])
-            if not cosine >= cos_max:
-                if h <= max(h_min, SHORTEST):
-                    corner = True
-                    break
-                h = max(0.5 * h, h_min, SHORTEST)
-                continue
-            guarding = h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 3
-            if guarding and strays(tests, out_tests, k, previous_tests, 1, False, h, h_previous):
-                guard_blocks += 1
-                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                continue
-            break
-        guard_blocks = 0
+            verdict = judged(
+                tests, out_tests, k, previous_tests, 1, False, cosine, cos_max, h, h_min, h_previous, strayed < 3
+            )
+            if verdict in (ACCEPTED, AT_CORNER):
+                break
+            strayed += verdict == STRAYED
+            h = shortened(verdict, h, h_min)
+        strayed = 0
         out_h[row] = h
         out_unstable[row] = unstable
-        for j in range(size):
-            out_z[row, j] = z[j]
-        for i in range(TESTS):
-            out_tests[row, i] = tests[i]
+        record(z, tests, out_z, out_tests, row)
         out_error[row] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
         info[0] = row
-        angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
+        angle = math.acos(min(cosine, 1.0)) if verdict != AT_CORNER else target_angle
         h_used = h
         wanted = WANTED * min(1.0, swing)
         h = next_step(h, angle, target_angle, sizes_of[0], wanted, 4.0, sizes_of[1], 5.0, h_min, h_max)
         info[1] = h
-        if corner:
+        if verdict == AT_CORNER:
             return CORNER
         if z[last] < bounds[0] or z[last] > bounds[1]:
             return BOUND
         changed = unstable != out_unstable[k]
         for i in range(TESTS):
             changed |= tests[i] * out_tests[k, i] <= 0.0
-        if changed:
-            return EVENT
-        if h_previous > 0.0:
-            dipped = dipping(tests, out_tests, k, previous_tests, 0, h_previous, h_used)
-            if dipped >= 0:
-                info[4] = dipped
-                return DIP
+        what = met(tests, out_tests, k, previous_tests, 0, changed, h_previous, h_used, info)
+        if what != LIMIT:
+            return what
         if loop_z.size == size and back_at_start(z, out_z[k], loop_z, loop_tangent, scale, h_used):
             return LOOP
         before = swing
@@ -449,8 +417,7 @@ def follow(
             return RESCALE
         if largest > OUTGROWN or z[count * n] > period_limit:
             return RESCALE
-        if out_error[row] > error_limit:
-            if evened(z, n, m, error_constant, density) <= worthwhile * out_error[row] or worthwhile == 0.0:
-                return RESCALE
-            error_limit = PATIENCE * out_error[row]
+        error_limit = allowed(z, n, m, error_constant, density, out_error[row], error_limit, worthwhile)
+        if error_limit == 0.0:
+            return RESCALE
     return LIMIT

@@ -24,8 +24,6 @@ from contin.kernels.lyapunov import lyapunov_terms
 from contin.kernels.steering import (
     BOUND,
     CORRECTOR,
-    DIP,
-    EVENT,
     GUARD_FLOOR,
     LIMIT,
     LOOP,
@@ -33,9 +31,11 @@ from contin.kernels.steering import (
     RESCALE,
     RESCALE_AT,
     SHORTEST,
-    dipping,
+    met,
     next_step,
     passes_start,
+    recall,
+    record,
     set_out,
     strays,
     turn,
@@ -302,9 +302,7 @@ def probe(
     return observe(kind, form2, form3, z, n, scale, states, original, slots, tests, re, im, re, im)
 
 
-@allocating(
-    "i, i, i, i, i, f1, i1, f1, f1, f1, f1, f1, f1, f1, f1, f1, i, f1, f, f, f2, f2, f2, f2, f2, i1"
-)
+@allocating("i, i, i, i, i, f1, i1, f1, f1, f1, f1, f1, f1, f1, f1, f1, i, f1, f, f, f2, f2, f2, f2, f2, i1")
 def points_between(
     address, kind, form2, form3, n, original, slots, z0, tangent, a, tangent_a, b, tangent_b, fractions, lengths, p,
     active, scale, tolerance, trust, z, tangents, tests, re, im, unstable,
@@ -367,16 +365,13 @@ def march(
     out_unstable[0] = observe(
         kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[0], out_im[0], out_re[0], out_im[0]
     )
-    for j in range(size + 1):
-        out_t[0, j] = tangent[j]
-    for i in range(TESTS):
-        out_tests[0, i] = tests[i]
+    record(tangent, tests, out_t, out_tests, 0)
     guarded = 0
     for k in range(limit):
         row = k + 1
         for j in range(size + 1):
             tangent[j] = out_t[k, j]
-            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
+        recall(out_t, previous_tangent, k, old)
         if k > 0:
             h_previous = out_h[k]
         while True:
@@ -414,10 +409,7 @@ def march(
         guarded = 0
         out_h[row] = h
         out_unstable[row] = unstable
-        for j in range(size + 1):
-            out_z[row, j] = z[j]
-        for i in range(TESTS):
-            out_tests[row, i] = tests[i]
+        record(z, tests, out_z, out_tests, row)
         info[0] = row
         angle = turn(cosine, target_angle)
         h_used = h
@@ -427,14 +419,12 @@ def march(
             value = z[int(walls[i, 0])]
             if value < walls[i, 1] or value > walls[i, 2]:
                 return BOUND
+        changed = False
         for i in range(2, TESTS):
-            if tests[i] * out_tests[k, i] < 0.0:
-                return EVENT
-        if h_previous > 0.0:
-            dipped = dipping(tests, out_tests, k, previous_tests, 2, h_previous, h_used)
-            if dipped >= 0:
-                info[4] = dipped
-                return DIP
+            changed |= tests[i] * out_tests[k, i] < 0.0
+        what = met(tests, out_tests, k, previous_tests, 2, changed, h_previous, h_used, info)
+        if what != LIMIT:
+            return what
         if loop_z.size > 0 and passes_start(z, out_z[k], loop_z, loop_tangent, seen, periods, scale, h_used):
             return LOOP
         for j in range(size):

@@ -22,6 +22,8 @@ ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a 
 CLOSE = 1.5  # steps: distance from its start within which a branch passes it
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
 
+ACCEPTED, AT_CORNER, TURNED, STRAYED = range(4)  # what a march makes of a corrected point
+
 
 @inlined("f, f, f, f, f -> b")
 def is_dip(before, here, after, h_before, h_after):
@@ -69,6 +71,25 @@ def strays(tests, rows, k, previous, first, signed, h, h_previous):
     return rough
 
 
+@inlined("f1, f2, i, f1, i, b, f, f, f, f, f, b -> i")
+def judged(tests, rows, k, previous, first, signed, cosine, cos_max, h, h_min, h_previous, may_stray):
+    """What the march makes of a corrected point: ACCEPTED; TURNED too far from row k, or AT_CORNER where no step can be
+    shorter; STRAYED from what tests are predicted (`strays`), where it `may_stray`.
+
+    h_previous : 0 where the row before is unknown.
+    """
+    if not cosine >= cos_max:
+        return AT_CORNER if h <= max(h_min, SHORTEST) else TURNED
+    guarding = may_stray and h > GUARD_FLOOR and h_previous > 0.0
+    return STRAYED if guarding and strays(tests, rows, k, previous, first, signed, h, h_previous) else ACCEPTED
+
+
+@inlined("i, f, f -> f")
+def shortened(verdict, h, h_min):
+    """The step after one that TURNED or STRAYED."""
+    return max(0.5 * h, 0.5 * GUARD_FLOOR) if verdict == STRAYED else max(0.5 * h, h_min, SHORTEST)
+
+
 @inlined("f1, f2, i, f1, i, f, f -> i")
 def dipping(tests, rows, k, previous, first, h_previous, h):
     """The test from `first` on that may have touched zero at row k, between the row before and the new point; or -1."""
@@ -78,6 +99,45 @@ def dipping(tests, rows, k, previous, first, h_previous, h):
         if found < 0 and is_dip(a, rows[k, i], tests[i], h_previous, h):
             found = i
     return found
+
+
+@inlined("f1, f2, i -> b")
+def crossed(tests, rows, k):
+    """True where a test has changed sign since row k, or is zero at one of the two."""
+    found = False
+    for i in range(tests.size):
+        found |= tests[i] * rows[k, i] < 0.0 or (tests[i] == 0.0) != (rows[k, i] == 0.0)
+    return found
+
+
+@inlined("f1, f2, i, f1, i, b, f, f, f1 -> i")
+def met(tests, rows, k, previous, first, changed, h_previous, h, info):
+    """EVENT where something `changed`, DIP where a test has dipped (which one: info[4]), else LIMIT: nothing."""
+    if changed:
+        return EVENT
+    dipped = -1
+    if h_previous > 0.0:
+        dipped = dipping(tests, rows, k, previous, first, h_previous, h)
+    if dipped < 0:
+        return LIMIT
+    info[4] = dipped
+    return DIP
+
+
+@inlined("f1, f1, f2, f2, i")
+def record(z, tests, rows, rows_of_tests, k):
+    """Row k becomes this point and its tests."""
+    for j in range(z.size):
+        rows[k, j] = z[j]
+    for i in range(tests.size):
+        rows_of_tests[k, i] = tests[i]
+
+
+@inlined("f2, f1, i, f1")
+def recall(rows, previous, k, out):
+    """out : row k - 1; `previous` is that before row 0."""
+    for j in range(out.size):
+        out[j] = rows[k - 1, j] if k > 0 else previous[j]
 
 
 @inlined("f, f -> f")
