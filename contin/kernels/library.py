@@ -28,9 +28,9 @@ from contin.machine.objects import Piece
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
 _DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
 
+_FOLLOWED: Final = ("defining", "rest_of_step", "steering")
 NEXT: Final = {
-    "grading": ("algebraic", "defining", "rest_of_step"), "eigen": ("algebraic", "defining", "rest_of_step"),
-    "algebraic": ("defining", "rest_of_step"),
+    "grading": ("algebraic", *_FOLLOWED), "eigen": ("algebraic", *_FOLLOWED), "algebraic": _FOLLOWED,
 }  # fmt: skip
 """Kernels that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next, and meets
 special points. Processes that make kernels take a second to begin."""

@@ -90,14 +90,15 @@ def _inlined(module: ir.Module, own: str) -> list[str]:
 
 def _body(name: str) -> Any:
     """A module with the code of a kernel to be put in place."""
-    module = llvm.parse_assembly(_translation(name).text)
+    module = llvm.parse_assembly(translation(name).text)
     module.get_function(symbol(name)).add_function_attribute("alwaysinline")
     module.get_function(entry_symbol(name)).linkage = "internal"
     return module
 
 
 @cache
-def _translation(name: str) -> Translated:
+def translation(name: str) -> Translated:
+    """`translate`, once a process: what is put in place is wanted by several others, and for itself."""
     return translate(REGISTRY[name])
 
 

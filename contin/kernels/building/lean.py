@@ -1,23 +1,25 @@
 """numba's compiler without what kernels do not need: half of the time to compile them is its own Python.
 
-Passes are left out that change nothing in functions without closures, `with`, generators and literal arguments, and
-types of operations on numbers are looked up once a process. The code is the same; where a number and a literal of its
-type took two copies of a numba function, they share one.
+Passes are left out that change nothing in functions without closures, `with`, generators, literal arguments and
+arithmetic of whole arrays; lifetimes of variables are found once, before lowering, not after every pass; types of
+operations on numbers are looked up once a process. The code is the same; where a number and a literal of its type took
+two copies of a numba function, they share one.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from numba.core import types
+from numba.core import ir, types
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import PassManager
 from numba.core.imputils import lower_builtin
+from numba.core.postproc import PostProcessor
+from numba.core.transforms import canonicalize_cfg
 from numba.core.typed_passes import (
     IRLegalization,
     NativeLowering,
     NoPythonBackend,
-    NopythonRewrites,
     NopythonTypeInference,
     PreLowerStripPhis,
 )
@@ -36,7 +38,7 @@ from numba.core.untyped_passes import (
 
 PASSES = (
     TranslateByteCode, FixupArgs, IRProcessing, RewriteSemanticConstants, GenericRewrites, InlineInlinables,
-    ReconstructSSA, DeadBranchPrune, NopythonTypeInference, PreLowerStripPhis, NopythonRewrites, IRLegalization,
+    ReconstructSSA, DeadBranchPrune, NopythonTypeInference, PreLowerStripPhis, IRLegalization,
     NativeLowering, NoPythonBackend,
 )  # fmt: skip
 
@@ -105,4 +107,52 @@ def _get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
     return found
 
 
+_LEAVES = (str, int, float, bool, complex, type(None), ir.Loc)
+_VARIABLE, _INSTRUCTION, _SEQUENCE, _TABLE, _LEAF = range(5)
+_sorts: dict[type, int] = dict.fromkeys(_LEAVES, _LEAF)
+
+
+def _sort(kind: type) -> int:
+    """What numba's IR may hold variables in."""
+    kinds = ((ir.Var, _VARIABLE), (ir.Inst, _INSTRUCTION), ((list, tuple), _SEQUENCE), (dict, _TABLE))
+    found = _sorts[kind] = next((sort for known, sort in kinds if issubclass(kind, known)), _LEAF)
+    return found
+
+
+def _variables(self: Any, value: Any) -> list[Any]:
+    """In place of numba's: the variables in a statement, in order. It is asked for a million times."""
+    kind = type(value)
+    sort = _sorts.get(kind)
+    if sort is None:
+        sort = _sort(kind)
+    if sort == _LEAF:
+        return []
+    if sort == _VARIABLE:
+        return [value]
+    if sort == _INSTRUCTION:
+        return list(value.list_vars())
+    found: list[Any] = []
+    for item in value.values() if sort == _TABLE else value:
+        kind = type(item)
+        sort = _sorts.get(kind)
+        if sort == _VARIABLE:
+            found.append(item)
+        elif sort != _LEAF:
+            found += _variables(self, item)
+    return found
+
+
+_whole = PostProcessor.run
+
+
+def _needed(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+    """In place of numba's: between passes only the graph of blocks is made anew: the next one reads no more."""
+    if emit_dels or self.func_ir.is_generator:
+        _whole(self, emit_dels, extend_lifetimes)
+    else:
+        self.func_ir.blocks = canonicalize_cfg(self.func_ir.blocks)
+
+
+ir.Inst._rec_list_vars = _variables  # type: ignore[method-assign,unused-ignore]
+PostProcessor.run = _needed  # type: ignore[method-assign,unused-ignore]
 types.Function.get_call_type = _get_call_type  # type: ignore[method-assign,unused-ignore]

@@ -73,12 +73,12 @@ def serve(names: int, pieces: int, targets: Sequence[BuildTarget]) -> None:
 
 def made(name: str, targets: Sequence[BuildTarget]) -> Iterator[objects.Piece]:
     """Machine code of a kernel for every target, under the key of its text."""
-    from contin.kernels.building.emit import emit, translate
+    from contin.kernels.building.emit import emit, translation
 
     module = name.rpartition(".")[0]
     for needed in sorted(sources.behind(module)):
         import_module(sources.BASE + needed)
-    translated = translate(REGISTRY[name])
+    translated = translation(name)
     for target in targets:
         emitted = emit(translated, target)
         yield objects.Piece(name, sources.text_key(module), emitted.needs, emitted.code)
