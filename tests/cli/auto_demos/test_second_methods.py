@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
+from tests.cli.auto_demos.results import FOLDER
 from tests.cli.calls import call
-from tests.cli.test_auto_demos import FOLDER
 
 
 def found_by(name, folder, *options):
