@@ -21,9 +21,10 @@ from contin.bvp.kernel_at_branch_point import undetermined
 from contin.bvp.sizes import couplings, filled, moved, noticed
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
@@ -97,6 +98,10 @@ class BoundaryProblem(BoundaryEquations):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return marched.probe(self, base, length, guess, frame, settings)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        found = on_half_lengths(self, sample, frame)
+        return None if found is None else (self, *found)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return special_points.at_parameter(self, guess, value, scale)

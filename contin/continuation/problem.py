@@ -335,6 +335,13 @@ class Problem(ABC):
         """Tests (m, k) and unstable counts of `points_between`, -1 where there is no point; None as there."""
         return None
 
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        """A sample solved for on a finer mesh (more accurately), on the hyperplane normal to its tangent.
+
+        With the problem and the metric of its unknowns; None where nothing is discretised, or it is not found there.
+        """
+        return None
+
     @abstractmethod
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with the varying parameter fixed at `value`, to full precision."""

@@ -329,3 +329,18 @@ def test_a_branch_point_takes_a_dozen_factorisations(monkeypatch):
     line = follow(SINE, "q", (0.5, 3.5), direction="up")
     assert len(line.points) == 3
     assert len(counted) <= 36  # 32 measured; 85 when each step solved for the curve anew
+
+
+def test_user_values_and_extrema_have_the_error_of_the_mesh():
+    """u'' = -u, u(0) = 0, u(L) = 1: u'(0) = 1/sin L, which is least at pi/2 and 1.2 at asin(1/1.2), on 6 intervals."""
+    parts = {
+        "kind": "bvp", "time": {"name": "t", "to": "L"}, "states": {"u": "t", "v": 1}, "parameters": {"L": 1},
+        "equations": {"u": "v", "v": "-u"}, "conditions": ["u(start) = 0", "u(end) = 1"],
+    }  # fmt: skip
+    wanted, settings = {"v.start": [1.2]}, {"intervals": 6}
+    line = follow(parts, "L", (0.5, 2.5), values=wanted, extrema=["v.start"], settings=settings)
+    first = float(elementary.atan2(1.0, np.sqrt(0.44)))
+    exact = {"UZ1": first, "EX1": np.pi / 2.0, "UZ2": np.pi - first}
+    assert [point.label for point in line.points] == list(exact)
+    for point in line.points:
+        assert abs(point.values["L"] - exact[point.label]) <= point.error < 1e-10

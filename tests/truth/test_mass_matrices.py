@@ -287,3 +287,18 @@ def test_a_model_file_keeps_its_matrix():
     model = contin.Model(**BRUSSELATOR | {"mass": {"x": {"x": 1, "y": "B"}, "y": 0}})
     again = load_model_text(model.text(), model.name, False)
     assert again == model
+
+
+def test_a_branch_ends_before_corrections_are_rounding_where_the_index_rises():
+    """Van der Pol's slow manifold: rests at x = a, which cross its fold at 1, where what is divided by vanishes."""
+    model = contin.Model(
+        name="relaxed", states={"x": 1.5, "y": -0.375}, parameters={"a": 1.5}, mass={"x": 0},
+        equations={"x": "y - (x^3/3 - x)", "y": "a - x"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "a", (-2, 2))
+    assert line.ends[0].reason == "bound"
+    assert line.ends[0].data["at"]["a"] == pytest.approx(1.0, abs=1e-6)
+    assert not line.points
+    assert line.unexplained == 0
+    assert np.abs(line.columns["x"] - line.columns["a"]).max() < 1e-6  # Newton's tolerance
+    assert not line.columns["unstable"].any()

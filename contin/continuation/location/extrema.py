@@ -24,6 +24,7 @@ SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
 SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
 CLEAR = 1e6  # times the scatter, beyond which that of points solved for again is no question
 NUDGE = 1e-9  # of the guesses from which they are: small, for another solution may be near
+SAFETY = 2.0  # of a change from one mesh to the next: the finer one has an error of its own
 FOURTH = np.array([1.0, -4.0, -4.0, 1.0, 6.0]) / 70.0  # at `SIDES` and 0, whose largest part is off a cubic there
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
@@ -93,9 +94,21 @@ class Extremum:
             "curvature": bend if turning else bend / elementary.square(rate),
         }
         error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
+        error += self._moved_by_mesh(stretch, near, bend)
         residual = abs(self.slope(stretch, near)) / max(size, float(np.abs(bend)), 1e-300)
         point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
         return Found(stretch.length_of(near), point, near)
+
+    def _moved_by_mesh(self, stretch: Stretch, near: Sample, bend: float) -> float:
+        """How far the parameter of the extremum moves on a finer mesh; 0 where nothing is discretised."""
+        refined = stretch.problem.refined(near, stretch.frame)
+        if refined is None or bend == 0.0:
+            return 0.0
+        problem, sample, frame = refined
+        slope = float(self.slopes(problem, sample.z[None], sample.tangent[None], frame.scale)[0])
+        ahead, rate = -slope / bend, abs(float(sample.tangent[-1]))
+        moved = abs(float(sample.z[-1] - near.z[-1])) + float(frame.scale[-1]) * abs(ahead) * (rate + 0.5 * abs(ahead))
+        return SAFETY * moved
 
     def _stands_out(
         self, stretch: Stretch, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,

@@ -28,14 +28,23 @@ Probe = Callable[[Sample, float], Sample | None]
 
 
 def cut_before_pole(system: System, chunk: Chunk, parameters: Array, n: int) -> Chunk:
-    """The chunk up to the first step across a singularity; parameters : those of its rows."""
+    """The chunk up to the first step across a singularity, or to the row that is `NEAR` it; parameters : of its rows.
+
+    Closer to it corrections and eigenvalues are rounding: what is divided by vanishes.
+    """
     if not isinstance(system, CompiledSystem) or system.constraints is None or len(chunk) < 2:
         return chunk
     values = system.index_determinants(np.ascontiguousarray(chunk.z[:, :n]), parameters)
     beyond = np.flatnonzero(~(values * np.sign(values[0]) > 0.0))
+    first = int(beyond[0]) if beyond.size else len(chunk)
+    size = np.abs(values[:first])
+    close = np.flatnonzero(size[1:] * (chunk.lengths[1:first] + NEAR) < size[:-1] * NEAR)
+    if close.size:
+        row = int(close[0]) + 1
+        return chunk.cut(row + 1, Stop.CORRECTOR, float(chunk.lengths[row]))
     if not beyond.size:
         return chunk
-    row = max(int(beyond[0]), 1)
+    row = max(first, 1)
     length = float(chunk.lengths[row])
     if length > NEAR:
         return chunk.cut(row, Stop.LIMIT, max(length / SHORTER, 0.5 * NEAR))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from contin import lazy
 from contin.abi import Array
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold
@@ -24,6 +24,7 @@ from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.measured.columns import names_of, norms, orbit_columns, periods, with_observables
 from contin.problems.orbits.measured.measures import standard_columns
 from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.normal_forms.eigenfunctions import eigenfunctions
 from contin.problems.orbits.orbit_equations import OrbitEquations
@@ -81,6 +82,10 @@ class OrbitProblem(OrbitEquations):
             return None
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
         return in_kernel.probe(self, base.z, base.tangent, length, guess, frame, tolerance)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        found = on_half_lengths(self, sample, frame)
+        return None if found is None else (self, *found)
 
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""

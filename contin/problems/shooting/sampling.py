@@ -21,7 +21,7 @@ INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places a
 SAMPLES = 400  # times an extreme is looked for at
 NARROW = 1e-12  # (scaled time) between two times that are one
 FINER = 33  # ... and times around it
-RTOL = 1e-10
+RTOL, LOOSER = 1e-10, 10.0  # relative tolerance, at most this many times that of the orbits themselves
 BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
 
 
@@ -30,12 +30,13 @@ def flights(problem: ShotFamily, z: Array, times: Array) -> list[Flight]:
     nodes = Nodes.of(z, problem.n)
     p, length = problem.full_parameters(z), nodes.period / nodes.count
     found, owners = [], segments_of(times, nodes.count)
-    atol = absolute_tolerances(problem, nodes, p, RTOL)
+    rtol = min(RTOL, LOOSER * problem.accuracy)
+    atol = absolute_tolerances(problem, nodes, p, rtol)
     for i, u in enumerate(nodes.u):
         wanted = np.minimum(times[owners == i] * nodes.period, (i + 1) * length)
         found.append(
             fly(
-                problem.system, u, p, (i + 1) * length - i * length, start=i * length, times=wanted, rtol=RTOL,
+                problem.system, u, p, (i + 1) * length - i * length, start=i * length, times=wanted, rtol=rtol,
                 atol=atol, budget=problem.budget, pieces=problem.held.get(i),
             )
         )  # fmt: skip

@@ -17,6 +17,7 @@ from contin.continuation.problem import (
     Frame,
     Jump,
     Outcome,
+    Problem,
     Rejected,
     Renewal,
     Sample,
@@ -42,6 +43,7 @@ from contin.problems.shooting.signature import signature
 
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 PROBE_TOLERANCE = 1e-10
+FINER = 0.01  # times the tolerance of trajectories, to see what that makes of a solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +79,11 @@ class ShootingProblem(ShotEquations):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tight = replace(settings, tolerance=min(settings.tolerance, PROBE_TOLERANCE))
         return generic.probe(self, base, length, guess, frame, tight)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        finer = self.precise(FINER * self.accuracy)
+        found = finer.probe(sample, 0.0, sample.z.copy(), frame, Settings())
+        return None if found is None else (finer, found, frame)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         found = explain(a, b, by_count=False)
