@@ -27,11 +27,13 @@ def images(branch: Branch) -> list[Branch]:
     A branch that began elsewhere has none: it may be its own image, and was not asked to show what others are.
     Symmetries that have the same image there (a group of several) give one branch, named after the first.
     """
-    found: list[Branch] = []
-    scales = _scales(branch)
     declared = symmetry_names(branch.problem) if branch.parent is not None else ()
-    for name in (s for s in branch.symmetries if s in declared):
-        candidate = image(branch, name)
+    candidates = [image(branch, name) for name in branch.symmetries if name in declared]
+    if len(candidates) < 2:
+        return candidates
+    scales = _scales(branch)
+    found: list[Branch] = []
+    for candidate in candidates:
         if not any(_are_alike(candidate.z, other.z, scales) for other in found):
             found.append(candidate)
     return found
