@@ -54,6 +54,7 @@ def pytest_collection_finish():
     """What was collected lives to the end, and is not looked through again."""
     gc.freeze()
     gc.enable()
+    gc.set_threshold(50_000, 20, 20)  # 700, 10, 10 look through models and kernels again and again: 4 % of the time
 
 
 def pytest_runtest_setup(item):

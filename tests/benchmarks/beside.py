@@ -144,17 +144,44 @@ def compare(
     title: str, steps: int, work: Callable[[], object], auto: Callable[[], tuple[float, int]] | None, runs: int = RUNS
 ) -> None:
     """Print both medians a step and their ratio, the two programs in turn, on one core."""
+    ours, theirs = in_turn(work, auto, runs)
+    report(title, statistics.median(ours) / steps, [seconds / count for seconds, count in theirs], f"{steps} steps")
+
+
+def compare_steps(
+    title: str, work: Callable[[int], Any], auto: Callable[[int], tuple[float, int]] | None, finer: int = 4,
+    runs: int = RUNS
+) -> None:  # fmt: skip
+    """What one more step costs: both programs with steps a `finer`-th as long, less what they take as they are.
+
+    Starts and labels, which cost the same whatever the steps, drop out. work, auto : with steps a k-th as long.
+    """
+    coarse = in_turn(lambda: work(1), auto and (lambda: auto(1)), runs)
+    fine = in_turn(lambda: work(finer), auto and (lambda: auto(finer)), runs)
+    steps = work(finer).steps - work(1).steps
+    mine = (statistics.median(fine[0]) - statistics.median(coarse[0])) / steps
+    pairs = zip(*(sorted(theirs) for _, theirs in (fine, coarse)), strict=True)
+    report(title, mine, [(a - b) / (m - n) for (a, m), (b, n) in pairs], "one more step")
+
+
+def in_turn(
+    work: Callable[[], object], auto: Callable[[], tuple[float, int]] | None, runs: int
+) -> tuple[list[float], list[tuple[float, int]]]:
+    """Processor times of contin; those of AUTO, and its steps."""
     ours, theirs = [], []
     work()  # its kernels are there now, and no other process need be started
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     for _ in range(runs):
-        ours.append(timed(work) / steps)
+        ours.append(timed(work))
         if auto is not None:
-            seconds, count = auto()
-            theirs.append(seconds / count)
-    mine = statistics.median(ours)
-    line = f"{title:44s} contin {mine * 1e6:9.2f} us a step ({steps} steps)"
+            theirs.append(auto())
+    return ours, theirs
+
+
+def report(title: str, mine: float, theirs: list[float], of: str) -> None:
+    """A line; AUTO's time is the median."""
+    line = f"{title:44s} contin {mine * 1e6:9.2f} us a step ({of})"
     if theirs:
         other = statistics.median(theirs)
         line += f"   AUTO {other * 1e6:9.2f} us   ratio {mine / other:5.2f}"
