@@ -103,7 +103,7 @@ def fly(
         raise InputError(f"the start must have {n} values ({', '.join(system.state_names)}); got {y.size}")
     carried = 0 if variations is None else variations.shape[1]
     allowed = absolute_tolerances(system, y, np.asarray(p, dtype=float)[: system.m], SMALLER * rtol, atol)
-    boxes = np.array(np.broadcast_to(box, n), dtype=float)
+    boxes = np.full(n, box, dtype=float)
     if variations is not None:
         y = np.concatenate([y, np.asarray(variations, dtype=float).T.ravel()])
     of = np.full(carried, -1, np.int64) if columns is None else shifted(columns, pieces)
@@ -115,7 +115,7 @@ def fly(
     memory.p[: pieces.first_mode] = np.asarray(p, dtype=float)[: pieces.first_mode]
     wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
     samples, found = np.empty((wanted.size, y.size)), np.empty((max(events, 0), 1 + y.size))
-    ring, counts = np.zeros((CROSSINGS, 2)), np.zeros(7, np.int64)
+    ring, counts = np.empty((CROSSINGS, 2)), np.zeros(7, np.int64)
     controls = np.array([start, start + duration, 0.0, max_step, rtol, start, 0.0, 0.0, 0.0])
     sensitive = None if columns is None else np.array([p[k - n] if n <= k < n + system.m else 0.0 for k in columns])
     errors = with_variations(allowed, SMALLER * rtol, variations, sensitive)
@@ -132,9 +132,9 @@ def fly(
     outcome, why = _outcome(system, status, y, memory, counts, budget, boxes, float(controls[0]), left)
     why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF" if stiff else why
     crossed = int(counts[4])
-    order = np.arange(max(0, crossed - CROSSINGS), crossed) % CROSSINGS
+    last = ring[:crossed] if crossed <= CROSSINGS else np.roll(ring, -(crossed % CROSSINGS), axis=0)
     return Flight(
-        n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y, ring[order], crossed,
+        n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y, last.copy(), crossed,
         int(counts[5]), int(counts[2]), outcome, why,
     )  # fmt: skip
 
@@ -174,6 +174,8 @@ def forcing_period(system: CompiledSystem, p: Array) -> float:
 
 def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
     """Columns of (u, parameters, time) as columns of (u, parameters, modes, time)."""
+    if not pieces.count:
+        return columns
     last = pieces.n + pieces.first_mode
     return np.where(columns >= last, columns + pieces.count, columns)
 

@@ -34,6 +34,7 @@ COUPLED_UP_TO: Final = 500  # states of a function, up to which tolerances ask f
 BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
 SWEEPS: Final = 10  # of balancing
 BENDING: Final = 1e3  # ratio of a state's size to the length over which its equations bend, or its inverse, at most
+TINY: Final = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +89,7 @@ def absolute_tolerances(
 ) -> Array:
     """Absolute tolerances of the states (n,): as given, for one or all, or these parts of their natural sizes."""
     if given is not None:
-        return np.array(np.broadcast_to(given, int(system.n)), dtype=float)
+        return np.full(int(system.n), given, dtype=float)
     if int(system.n) > COUPLED_UP_TO and not isinstance(system.model, Model):
         usual = sizes_of(system.model, tuple(float(v) for v in p))[1]
         return np.asarray(relative * np.maximum(usual, np.abs(u)))
@@ -120,15 +121,15 @@ def with_variations(
     allowed : of u, these (`relative`) parts of the natural sizes.  A sensitivity begins at 0: its tolerance is that of
     the states, divided by its parameter's value in `parameters` (k,).
     """
-    allowed = np.maximum(np.asarray(allowed, dtype=float), np.finfo(float).tiny)  # of an orbit at rest in the origin: 0
-    parts = [allowed]
-    for j, column in enumerate([] if variations is None else np.asarray(variations, dtype=float).T):
-        factor = relative * float((np.abs(column) / allowed).max())
-        if factor == 0.0:
-            q = 0.0 if parameters is None else abs(float(parameters[j]))
-            factor = 1.0 / q if q > 0.0 else 1.0
-        parts.append(allowed * factor)
-    return np.concatenate(parts)
+    allowed = np.maximum(np.asarray(allowed, dtype=float), TINY)  # of an orbit at rest in the origin: 0
+    if variations is None:
+        return allowed
+    factors = relative * (np.abs(np.asarray(variations, dtype=float)) / allowed[:, None]).max(axis=0)
+    if not factors.all():
+        q = np.zeros(len(factors)) if parameters is None else np.abs(parameters)
+        begun = 1.0 / np.where(q > 0.0, q, 1.0)
+        factors = np.where(factors == 0.0, begun, factors)
+    return np.concatenate([allowed, np.outer(factors, allowed).ravel()])
 
 
 def sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
