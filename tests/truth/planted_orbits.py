@@ -118,18 +118,35 @@ class Hidden:
     def mean_square(self, first: str, second: str, twist: float) -> float:
         """Mean over the orbit of |Dh v|^2, v the real unit vector at `twist` times the phase in the plane of two
         states; twist = 0: of the pair (1, -i)/sqrt(2)."""
-        turn, _, bends = self._random
-        names = list(self.core.equations)
-        angle = 2 * pi * np.arange(512) / 512
+        names, angle = list(self.core.equations), 2 * pi * np.arange(512) / 512
         v = np.zeros((len(angle), self.n), complex)
         pair = (np.cos(twist * angle), np.sin(twist * angle)) if twist else (0.5**0.5, -1j * 0.5**0.5)
         v[:, names.index(first)], v[:, names.index(second)] = pair
+        image = self._image(angle, v)
+        return float(np.mean(np.sum(np.abs(image) ** 2, axis=1)))
+
+    def mean_square_across(self, *radial: str) -> float:
+        """Mean over the unit circle of |w|^2, w the part of Dh v with mean(<w, u0'>) = 0: v = 1 in one state, or
+        (cos, sin) in two."""
+        names, angle = list(self.core.equations), 2 * pi * np.arange(512) / 512
+        parts = (np.cos(angle), np.sin(angle)) if len(radial) == 2 else (np.ones_like(angle),)
+        v, around = np.zeros((2, len(angle), self.n))
+        for name, part in zip(radial, parts, strict=True):
+            v[:, names.index(name)] = part
+        around[:, 0], around[:, 1] = -np.sin(angle), np.cos(angle)
+        image, field = self._image(angle, v), self._image(angle, around)
+        image = image - np.mean(np.sum(image * field, axis=1)) / np.mean(np.sum(field**2, axis=1)) * field
+        return float(np.mean(np.sum(image**2, axis=1)))
+
+    def _image(self, angle: NDArray[Any], v: NDArray[Any]) -> NDArray[Any]:
+        """Dh v on the circle of the core's radius at its special point, 1."""
+        turn, _, bends = self._random
         x = np.zeros((len(angle), self.n))
-        x[:, 0], x[:, 1] = self.core.radius * np.cos(angle), self.core.radius * np.sin(angle)
+        x[:, 0], x[:, 1] = np.cos(angle), np.sin(angle)
         z, w = self.length * x @ turn.T, self.length * v @ turn.T
         image = w.copy()
         image[:, :-1] += 2.0 * bends[:-1] * z[:, 1:] * w[:, 1:] / self.length
-        return float(np.mean(np.sum(np.abs(image) ** 2, axis=1)))
+        return image
 
     def family(self, **options: Any) -> Any:
         """The family in p, on which `core.at` lies."""
@@ -170,11 +187,15 @@ SIMPLE = (
         {"a": f"{_GROWTH}*a - (a^2 + b^2)*b", "b": f"{_GROWTH}*b + (a^2 + b^2)*a"},
         {"p": 0.25}, radius=1.5**0.5, range=(-0.3, 0.4), coefficient=("b", lambda h: 2.0 * h.rate),
     ),
-    Planted(  # xi = length (r - 1), r' = -4 (r - 1)^2
+    Planted(  # r' = -4 (r - 1)^2
         "LPC, period constant", "LPC",
         {"a": f"{_GROWTH}*a - b", "b": f"{_GROWTH}*b + a"},
         {"p": 0.25}, radius=1.5**0.5, range=(-0.3, 0.4),
-        coefficient=("b", lambda h: float("nan") if h.way == "bent" else 4.0 * h.rate / h.length),
+        coefficient=("b", lambda h: 4.0 * h.rate / h.mean_square_across("a", "b") ** 0.5),
+    ),
+    Planted(
+        "LPC, beside a circle", "LPC", {**CIRCLE, "x": "p - x^2"}, {"p": 0.25}, orbit=("x", 0.5), range=(-0.3, 0.4),
+        coefficient=("b", lambda h: h.rate / h.mean_square_across("x") ** 0.5),
     ),
     Planted(
         "BPC, pitchfork", "BPC", {**CIRCLE, "x": "x*(p - x^2)"}, {"p": -0.3}, words={"kind": "pitchfork"},

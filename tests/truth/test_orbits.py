@@ -27,8 +27,6 @@ def coefficient_complaint(hidden: Hidden):
         if hidden.core.coefficient is None:
             return ""
         name, exact = hidden.core.coefficient[0], hidden.core.coefficient[1](hidden)
-        if np.isnan(exact):
-            return ""
         value = form[name][0] if name == "d" else form[name]
         if name == "b":
             value, exact = abs(value), abs(exact)  # signs of b depend on that of the eigenfunction

@@ -46,7 +46,7 @@ def fold(returns: ReturnMap, factor: int = 1) -> Coefficient:
     period = returns.nodes.period
     slope = returns.slope_of_time(q).real
     drifts = abs(slope) > SHEARLESS * period * float(np.linalg.norm(q))
-    unit = 1.0 / slope if drifts else np.sqrt(returns.unit(q)) / period
+    unit = 1.0 / slope if drifts else float(np.sqrt(returns.unit_without_drift(q))) / period
     noise = returns.noise * float(np.linalg.norm(pair.left)) * abs(unit)
     return Coefficient(value * unit, size * abs(unit), drifts, noise)
 

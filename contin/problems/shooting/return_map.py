@@ -161,6 +161,10 @@ class ReturnMap:
         the period in the model's units."""
         return 1.0 / self._mean_square(self._eigenvector(self.sizes * (self.basis @ q)))
 
+    def unit_without_drift(self, q: Array) -> float:
+        """`unit` at a fold across which the period does not change: of the variation with mean(<v, u0'>) = 0."""
+        return 1.0 / self._mean_square(self.sizes * (self.basis @ q), across=self.problem.autonomous)
+
     def _eigenvector(self, v: Vector) -> Any:
         """The eigenvector of the monodromy matrix whose projection onto the section is v."""
         if not self.problem.autonomous:
@@ -172,10 +176,15 @@ class ReturnMap:
         share = (self.nodes.normal @ image) / (self.nodes.normal @ f)
         return v + f * share / (value - 1.0)
 
-    def _mean_square(self, v: Vector) -> float:
-        """Of the variation that begins with v, over a period."""
+    def _mean_square(self, v: Vector, across: bool = False) -> float:
+        """Of the variation that begins with v, over a period; of its part `across` the orbit."""
         period = self.nodes.period
         times = (np.arange(SAMPLES) + 0.5) / SAMPLES * period
         parts = np.column_stack([v.real, v.imag])
-        samples = self._fly(self.nodes.u[0], period, variations=parts, times=times).samples
-        return float(np.mean(np.sum(elementary.square(samples[:, self.problem.n :]), axis=1)))
+        samples, n = self._fly(self.nodes.u[0], period, variations=parts, times=times).samples, self.problem.n
+        mean = float(np.mean(np.sum(elementary.square(samples[:, n:]), axis=1)))
+        if across:
+            field = np.array([self._slope(u) for u in samples[:, :n]])
+            along = float(np.mean(np.sum(field * samples[:, n : 2 * n], axis=1)))
+            mean -= elementary.square(along) / float(np.mean(np.sum(elementary.square(field), axis=1)))
+        return mean

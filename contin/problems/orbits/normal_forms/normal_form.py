@@ -7,7 +7,8 @@ On the centre manifold of an orbit u0 of period T, with its phase tau and a coor
     NS    tau' = 1 + a |xi|^2 + ..., xi' = (i theta / T) xi + d xi |xi|^2 + ...
 
 u = u0(tau) + xi v(tau) + ..., where the mean of |v|^2 over the orbit is 1 (2-norm, the model's units); for b of an
-autonomous system v is the generalised eigenfunction v' = A v + u0', whose size is given. Every coefficient follows from
+autonomous system v is the generalised eigenfunction v' = A v + u0', whose size is given; where there is no shear, v is
+the one eigenfunction of the multiplier 1 with mean(<v, u0'>) = 0, up to its sign. Every coefficient follows from
 the solvability of a linear boundary-value problem, w^* right = 0 with the left null vector w of its matrix; no adjoint
 equation is solved. Cost: a few sparse factorisations, and second and third derivatives at every Gauss point.
 
@@ -19,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -174,10 +175,15 @@ class Forms:
         return np.asarray(found).reshape(shape)
 
 
+def _mean(linear: OrbitLinear, v: Vector, w: Vector) -> Any:
+    """The mean of <v, w> over the orbit, of the states with mass."""
+    moving = ~massless(linear.problem.system)
+    return linear.profile.weights @ np.sum(v[:, moving].conj() * w[:, moving], axis=1)
+
+
 def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
     """Mean square 1 over the orbit, of the states with mass."""
-    moving = w[:, ~massless(linear.problem.system)]
-    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(moving)), axis=1)))
+    return np.asarray(w / np.sqrt(_mean(linear, w, w).real))
 
 
 def fold(linear: OrbitLinear) -> Coefficient:
@@ -195,10 +201,9 @@ def fold(linear: OrbitLinear) -> Coefficient:
         return _projected(periodic, v, [0.5 * forms.apply(v, v), forms.first(v)])
     along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
     p = along[1] * left[:, 0] - along[0] * left[:, 1]
-    field = linear.field.ravel() / linear.units[: linear.nu]
-    parts = kernel.T @ field
-    q = kernel @ np.array([parts[1], -parts[0]])
-    return _without_drift(periodic, forms, _normalised(linear, periodic.raw(q)), p)
+    a, b = (periodic.raw(column) for column in kernel.T)
+    q = _mean(linear, b, linear.field) * a - _mean(linear, a, linear.field) * b
+    return _without_drift(periodic, forms, _normalised(linear, q), p)
 
 
 def _without_drift(periodic: Variation, forms: Forms, w: Vector, p: Vector) -> Coefficient:
