@@ -143,6 +143,8 @@ def extrema_of(seed: Seed, columns: Sequence[str]) -> list[Extremum]:
 
 def _check_columns(seed: Seed, key: str, columns: Sequence[str]) -> None:
     """InputError for a name that is no column of the branch."""
+    if not columns:
+        return
     known = _column_names(seed.problem)
     if any(column not in known for column in columns):  # as those that a kind of solutions has on top: x.1, x.max
         known |= set(seed.problem.columns(seed.z[None]))

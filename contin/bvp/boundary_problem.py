@@ -109,7 +109,7 @@ class BoundaryProblem(BoundaryEquations):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return special_points.explain(a, b)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return {"LP": 0, "BP": 1}.get(type_)  # None for those with a test of their own
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:

@@ -271,7 +271,7 @@ def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]
 
     event.length : its arclength from the chunk's first row, along the rows.
     """
-    test = course.problem.watch(event.point.type)
+    test = course.problem.test_of(event.point.type)
     if test is None:  # as a DP on a curve of folds
         return set()
     s = np.cumsum(np.append(0.0, chunk.lengths[1:]))

@@ -237,7 +237,7 @@ class Problem(ABC):
     4.  Row 0 of a chunk repeats `origin`. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was
         seen; on all other stops every row is accepted.
     5.  `march` accepts at most `limit` rows, takes no step below `settings.min_step`, and lasts about 50 ms at most.
-    6.  Tests have one meaning and one order along a branch: `watch` gives the index of a type's test. A test that has
+    6.  Tests have one meaning and one order along a branch: `test_of` gives the index of a type's test. A test that has
         no value is NaN; its sign changes nothing.
     7.  `explain` names types only where one of each explains every change between two samples; else it gives None,
         and the engine looks closer.
@@ -352,7 +352,7 @@ class Problem(ABC):
         """Types of the simple events that explain all changes between a and b, or None where one of each does not."""
         return ()
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         """Index of the test function whose zero locates this type; None: by the change of the unstable count."""
         return None
 

@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.exponents.carriers import SMALLER, Carrier, FlowCarrier, JumpCarrier, MapCarrier
-from contin.exponents.frame import Growth, generic_frame, logarithms, orthonormal
+from contin.exponents.disturbances import Growth, generic_directions, logarithms, orthonormal
 from contin.exponents.spectrum import LyapunovSpectrum
 from contin.limits import check_count
 from contin.model.advice import closest
@@ -161,7 +161,7 @@ def _followed(
     before = TRANSIENT * whole if transient is None else float(transient)
     if course.is_map:
         whole, before = float(round(whole)), float(round(before))
-    u, t, frame = course.u, 0.0, generic_frame(course.moving, count)
+    u, t, directions = course.u, 0.0, generic_directions(course.moving, count)
     scale, rate = course.scale[:, None], 1.0 / course.natural
     logs: list[Array] = []
     lengths: list[float] = []
@@ -173,13 +173,13 @@ def _followed(
             length = 1.0 if course.is_map else min(SPREAD / rate, whole / PARTS, end - t)
             if end - t - length < 0.01 * length:
                 length = end - t
-            carried = course.carrier.carry(u, scale * np.vstack([frame, still]), t, length)
+            carried = course.carrier.carry(u, scale * np.vstack([directions, still]), t, length)
             steps, touched, why = steps + carried.steps, touched + carried.touched, carried.why
             if why or steps > BUDGET or not np.isfinite(carried.columns).all():
                 why = why or (f"{BUDGET} steps were not enough" if steps > BUDGET else "a disturbance has no bound")
                 why = f"stopped at t = {t:.6g}: {why}"
                 break
-            frame, stretches = orthonormal((carried.columns / scale)[: course.moving])
+            directions, stretches = orthonormal((carried.columns / scale)[: course.moving])
             u, t = carried.u, t + length
             logs.append(logarithms(stretches))
             lengths.append(length)

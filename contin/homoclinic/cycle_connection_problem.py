@@ -15,6 +15,7 @@ from contin.bvp.functionals import columns_of
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Sample
 from contin.continuation.settings import Settings
+from contin.linalg.newton import Rules, by_steps
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.orbits.mesh.layout import Profile
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 UNBOUNDED = (-np.inf, np.inf)
-NEWTON, ACCURATE, STALLED = 15, 1e-11, 1e-7
+NEWTON = Rules(settled=1e-11, stalled=1e-7, budget=15)
 PART = 1e-3  # of a mode, in the states' sizes
 CHUNK = 5  # a step takes some 50 ms
 
@@ -174,21 +175,15 @@ class CurveOfConnections(OnAdaptiveMesh, ConnectionToCycle):
         z = guess.copy()
         profile = self.profile(z)
         z[: profile.u.size].reshape(profile.u.shape)[:, index] = value
-        row, before = np.zeros(z.size), np.inf
+        row = np.zeros(z.size)
         row[index] = 1.0
-        for _ in range(NEWTON):
+
+        def step(z: Array) -> Array | None:
             here = self.linearisation(z, row, scale)
-            if here is None or here.sign == 0.0:
-                return None
-            step = here.solve(np.append(-here.residual, 0.0))
-            size = norm(step)
-            if not np.isfinite(size):
-                return None
-            z = z + scale * step
-            if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
-                return z
-            before = size
-        return None
+            return None if here is None or here.sign == 0.0 else here.solve(np.append(-here.residual, 0.0))
+
+        found = by_steps(step, z, scale, NEWTON)
+        return None if found is None else found.at
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         """Turns of the curve in the plane of the parameters are no special points."""

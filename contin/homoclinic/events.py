@@ -133,7 +133,7 @@ def changes(problem: CurveOfConnections, a: Sample, b: Sample) -> tuple[str, ...
     return tuple(name for name, x, y in signs if x * y < 0.0 and (name != FOLD or problem.isolated))
 
 
-def watch(type_: str) -> int | None:
+def test_of(type_: str) -> int | None:
     if type_ == FOLD:
         return 0
     tests = tests_of_connections()
@@ -142,7 +142,7 @@ def watch(type_: str) -> int | None:
 
 def verify(problem: CurveOfConnections, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test along the curve."""
-    index = watch(type_)
+    index = test_of(type_)
     assert index is not None
     zero = zero_of_test(problem, near, frame, index)
     if zero is None:

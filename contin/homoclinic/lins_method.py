@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.homoclinic.subspaces import left_subspace
 from contin.kernels.collocation_basis import basis
+from contin.linalg.newton import Rules, newton, solution
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile
 
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 
     from contin.lowering.system import CompiledSystem
 
-NEWTON: Final = 12
-ACCURATE: Final = 1e-10
+NEWTON: Final = Rules(settled=1e-10, stalled=1e-7, far=10.0)
+AT_REST: Final = Rules(settled=1e-13)  # of the saddle, in sizes of states
 NUDGE: Final = 1e-6  # relative, for derivatives of the ends by a parameter
 
 
@@ -67,11 +68,7 @@ class Pieces:
         """
         from scipy.sparse.linalg import splu
 
-        now: Pieces | None = self
-        before = np.inf
-        for _ in range(NEWTON):
-            if now is None:
-                return None
+        def correct(now: Pieces) -> tuple[float, Pieces] | None:
             found = now._system(unknown, times, by_parameter)
             if found is None:
                 return None
@@ -81,13 +78,11 @@ class Pieces:
             except RuntimeError:  # singular: no step
                 return None
             size = float(np.max(np.abs(step)))
-            if not size < 10.0:
-                return None
-            now = now._moved(step * scale, unknown, times, by_parameter)
-            if size < ACCURATE or (size >= 0.5 * before and size < 1e-7):
-                return now
-            before = size
-        return None
+            there = now._moved(step * scale, unknown, times, by_parameter) if size < NEWTON.far else None
+            return None if there is None else (size, there)
+
+        found = newton(correct, self, NEWTON)
+        return None if found is None else found.at
 
     def _moved(self, step: Array, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Pieces | None:
         place, pieces = 0, []
@@ -109,14 +104,14 @@ class Pieces:
 
     def at_rest(self) -> Pieces | None:
         """With the saddle of its parameters."""
-        u = self.saddle.copy()
-        for _ in range(NEWTON):
+
+        def correct(u: Array) -> tuple[float, Array] | None:
             f, whole = self.system.jacobian(u, self.p)
-            step = np.linalg.solve(np.asarray(whole)[:, : self.system.n], -np.asarray(f))
-            u = u + step
-            if float(np.max(np.abs(step) / self.sizes)) < 1e-13:
-                break
-        return replace(self, saddle=u) if np.all(np.isfinite(u)) else None
+            step = solution(np.asarray(whole)[:, : self.system.n], -np.asarray(f))
+            return None if step is None else (float(np.max(np.abs(step) / self.sizes)), u + step)
+
+        found = newton(correct, self.saddle, AT_REST)
+        return None if found is None else replace(self, saddle=found.at)
 
     def ends(self) -> Array | None:
         """Projections that vanish at both ends, (n,)."""

@@ -132,8 +132,8 @@ class ConnectionProblem(CurveOfConnections):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(self, a, b)
 
-    def watch(self, type_: str) -> int | None:
-        return events.watch(type_)
+    def test_of(self, type_: str) -> int | None:
+        return events.test_of(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)

@@ -1,38 +1,100 @@
-"""Newton with one unknown held at a value, to full precision."""
+"""Newton's method until rounding decides: one loop, whatever is corrected and however corrections are found."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.vectors import norm
 
-BUDGET = 12
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Rules:
+    """When corrections end; their sizes are in the metric of whoever makes them.
+
+    settled : a correction below this is the last one.  stalled : corrections below this that no longer fall by half are
+    rounding, and are not made.  far : one beyond this leads elsewhere.  budget : of corrections.
+    """
+
+    settled: float = 1e-15
+    stalled: float = 1e-8
+    far: float = np.inf
+    budget: int = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Converged(Generic[T]):
+    """Where corrections end.
+
+    made : size of the last one that was made, inf where none was.  left : of the last one that is known: the same, or
+    that of the rounding error that is left.
+    """
+
+    at: T
+    made: float
+    left: float
+
+
+def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rules) -> Converged[T] | None:
+    """Corrections from `start` until they settle or stall; None where they do not.
+
+    correct : the size of the correction at a place and where it leads, or None where there is none.
+    """
+    at, before = start, np.inf
+    for _ in range(rules.budget):
+        found = correct(at)
+        if found is None:
+            return None
+        size, there = found
+        if not size < rules.far:  # NaN is no size
+            return None
+        if size >= 0.5 * before and before < rules.stalled:
+            return Converged(at, before, size)
+        at, before = there, size
+        if size < rules.settled:
+            break
+    return Converged(at, before, before) if before < max(rules.settled, rules.stalled) else None
+
+
+def by_steps(
+    step: Callable[[Array], Array | None], start: Array, scale: Array | float, rules: Rules
+) -> Converged[Array] | None:
+    """`newton` in scaled unknowns: z + scale * step(z), a correction of the step's length."""
+
+    def correct(z: Array) -> tuple[float, Array] | None:
+        d = step(z)
+        return None if d is None else (norm(d), z + scale * d)
+
+    return newton(correct, start, rules)
+
+
+def solution(matrix: Array, right: Array) -> Array | None:
+    """matrix^-1 right; None where LAPACK finds the matrix singular: then Newton's method does not converge."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        return None
 
 
 def with_one_fixed(
     linearise: Callable[[Array], tuple[Array, Array]], index: int, guess: Array, value: float, scale: Array
 ) -> Array | None:
     """F(z) = 0 (N - 1 equations, rows scaled like the unknowns) with z[index] = value; None where Newton fails."""
-    z = guess.copy()
-    z[index] = value
-    free = np.delete(np.arange(len(z)), index)
+    start = guess.copy()
+    start[index] = value
+    free = np.delete(np.arange(len(start)), index)
     rows = scale[:-1]
-    before = np.inf
-    for _ in range(BUDGET):
+
+    def step(z: Array) -> Array | None:
         f, jacobian = linearise(z)
-        try:
-            step = np.linalg.solve((jacobian * scale / rows[:, None])[:, free], -f / rows)
-        except np.linalg.LinAlgError:  # as where Newton does not converge
-            return None
-        size = float(np.linalg.norm(step))
-        if not np.isfinite(size) or size > 1.0:
-            return None
-        if size >= 0.5 * before and before < 1e-8:
-            return z
-        z[free] += scale[free] * step
-        if size < 1e-15:
-            return z
-        before = size
-    return z if before < 1e-8 else None
+        d = solution((jacobian * scale / rows[:, None])[:, free], -f / rows)
+        return None if d is None else np.insert(d, index, 0.0)
+
+    found = by_steps(step, start, scale, Rules(far=1.0))
+    return None if found is None else found.at

@@ -127,8 +127,8 @@ class HybridLocus(TwoParameterProblem):
         found = self.fixed.explain(a, b)
         return None if found is None else tuple(OF_CURVES.get(type_, type_) for type_ in found)
 
-    def watch(self, type_: str) -> int | None:
-        return self.fixed.watch(OF_POINTS.get(type_, type_))
+    def test_of(self, type_: str) -> int | None:
+        return self.fixed.test_of(OF_POINTS.get(type_, type_))
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return self._of_orbit(self.fixed.verify(OF_POINTS.get(type_, type_), near, frame), frame)

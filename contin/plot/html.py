@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.polygons import deepest
 from contin.plot.figure import colour_of_branches, image_names
 from contin.plot.phase import NAMED, fill_of
-from contin.plot.places import deepest
 from contin.plot.rows import leading, rows_of, thinned
 from contin.plot.series import Source, from_branches, ordinates, panels, segment_stability, wrapped
 from contin.plot.vocabulary import KINDS, locus_words, style_of
@@ -165,8 +165,8 @@ def _regions(phase: Record) -> Fields:
     found = []
     for region in sorted(phase["regions"], key=lambda r: -float(r["area"])):
         rings = [np.asarray(ring, dtype=float) for ring in (region["outline"], *region["holes"])]
-        centre, _ = deepest([(ring - low) / width for ring in rings])
-        place = None if region["area"] < NAMED or not np.all(np.isfinite(centre)) else (low + centre * width).tolist()
+        centre = deepest([(ring - low) / width for ring in rings])
+        place = None if region["area"] < NAMED or centre is None else (low + centre[0] * width).tolist()
         found.append(
             {"name": region["name"], "words": region["words"], "fill": fill_of(region, phase), "at": place,
              "outline": _ring(rings[0]), "holes": [_ring(ring) for ring in rings[1:]]}

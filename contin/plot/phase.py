@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.polygons import deepest
 from contin.plot.dress import dress
 from contin.plot.house_style import style
 from contin.plot.labels import densify, place
 from contin.plot.look import PLAIN_LOOK, Look
-from contin.plot.places import deepest
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import colour_of, dashes_of, locus_words, style_of
 from contin.records import Record
@@ -223,9 +223,10 @@ def _names(
         if region["area"] < NAMED:
             continue
         rings = [ahead(np.asarray(ring, dtype=float)) for ring in (region["outline"], *region["holes"])]
-        centre, depth = deepest(rings, window)
-        if not np.isfinite(centre).all():
+        found = deepest(rings, window)
+        if found is None:
             continue
+        centre, depth = found
         size = np.array([0.75 * LETTER * len(region["name"]), LETTER]) * pixels
         if depth < 0.6 * size[1]:
             narrow.append((region["name"], centre))

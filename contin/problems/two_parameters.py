@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,36 +22,15 @@ if TYPE_CHECKING:
 UNBOUNDED = (-np.inf, np.inf)
 
 
-class TwoParameterCurve(Protocol):
-    """The equations of a curve; its unknowns end with the second parameter and the first."""
-
-    @property
-    def type(self) -> str:
-        """Label of the points on it: LP, HB, LPC, ..."""
-
-    @property
-    def system(self) -> System:
-        """The compiled model."""
-
-    @property
-    def base(self) -> Array:
-        """All parameter values; entries `first` and `second` vary."""
-
-    @property
-    def first(self) -> int: ...
-
-    @property
-    def second(self) -> int: ...
-
-
 @dataclass(frozen=True, eq=False)
 class TwoParameterProblem(Problem):
     """The part of `Problem` and `Planar` that follows from z = (..., q, p) alone.
 
-    A subclass adds the metric, the march and the events of its curve.
+    A subclass adds the metric, the march and the events of its curve, the equations `curve`: these tell the type of
+    their points, the system, all parameter values (base) and the places of the two that vary (first, second).
     """
 
-    curve: Any  # a `TwoParameterCurve`
+    curve: Any
     second_bounds: tuple[float, float] = field(default=UNBOUNDED, kw_only=True)
     first_bounds: tuple[float, float] = field(default=UNBOUNDED, kw_only=True)
 

@@ -70,7 +70,7 @@ class System(Protocol):
     def model(self) -> Described: ...
     @property
     def kind(self) -> str:
-        """flow | map"""
+        """flow, map, bvp or algebraic"""
 
     @property
     def n(self) -> int: ...
@@ -142,6 +142,11 @@ class HasSlopes(Protocol):
 
     def slopes(self, u: Array, p: Array) -> Any:
         """df/du, (n, n), an array or a scipy.sparse matrix."""
+
+
+def is_timeless(system: System) -> bool:
+    """True for equations that vanish, without a time: the unit of each says nothing about its state's."""
+    return system.kind == "algebraic"
 
 
 def one_by_one(jacobian: Callable[[Array, Array], tuple[Array, Array]], u: Array, p: Array) -> tuple[Array, Array]:

@@ -22,6 +22,7 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.linalg.newton import Rules, by_steps
 from contin.lowering import compile_system
 from contin.model.kept import kept_with
 from contin.problems.equilibria.branching.rotated import turning_kernel
@@ -30,8 +31,8 @@ from contin.symbolic.passes.corotating import corotating, turned_pair
 
 DISTANCES: Final = (1e-3, 1e-2, 1e-4, 0.05)  # s, scaled; the first with a solution at which the parameter is near
 FAR: Final = 0.1  # of the range
-BUDGET: Final = 20
 SOLVED: Final = 1e-12  # last step of Newton's method, in sizes
+NEWTON: Final = Rules(settled=SOLVED, stalled=SOLVED, budget=20)
 
 
 def rotated_branches(problem: EquilibriumProblem, point: SpecialPoint) -> list[Seed] | None:
@@ -80,9 +81,12 @@ def _solved(
 ) -> Array | None:
     """Newton's method for (u, rate, p), in scaled unknowns, from the tangent."""
     n, sizes, width = problem.n, point.scale[:-1], float(point.scale[-1])
-    z, rate = point.z.copy(), 0.0
-    z[:-1] += distance * sizes * q
-    for _ in range(BUDGET):
+    start = point.z.copy()
+    start[:-1] += distance * sizes * q
+    units = np.concatenate([sizes, [1.0, width]])
+
+    def step(x: Array) -> Array | None:
+        z, rate = np.append(x[:n], x[-1]), x[n]
         f, jacobian = problem.system.jacobian(z[:-1], problem.full_parameters(z))
         matrix = np.zeros((n + 2, n + 2))
         matrix[:n, :n] = (jacobian[:, :n] - rate * generator) * sizes[None, :] / sizes[:, None]
@@ -94,11 +98,11 @@ def _solved(
         residual = np.concatenate([(f - rate * (generator @ z[:-1])) / sizes, [z[b] / sizes[b], q @ moved - distance]])
         if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(residual))):
             return None
-        step = -np.linalg.lstsq(matrix, residual, rcond=None)[0]
-        z[:-1] += step[:n] * sizes
-        rate += float(step[n])
-        z[-1] += float(step[n + 1]) * width
-        if float(np.abs(step).max()) < SOLVED:
-            z[:-1] = np.where(np.abs(z[:-1]) > SOLVED * sizes, z[:-1], 0.0)  # rounding is no size of a state
-            return z
-    return None
+        return np.asarray(-np.linalg.lstsq(matrix, residual, rcond=None)[0])
+
+    found = by_steps(step, np.insert(start, n, 0.0), units, NEWTON)
+    if found is None:
+        return None
+    z = np.delete(found.at, n)
+    z[:-1] = np.where(np.abs(z[:-1]) > SOLVED * sizes, z[:-1], 0.0)  # rounding is no size of a state
+    return z

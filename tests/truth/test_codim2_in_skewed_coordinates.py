@@ -52,7 +52,7 @@ def test_many_points_are_found_within_their_errors(kind):
 class _Problem:
     """Test 3 watches CH."""
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return {"CH": 3}.get(type_)
 
 

@@ -42,7 +42,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
     """
     items = list(_minimum(stretch, a, here, b, test))
     yield from items
-    if items or stretch.problem.adaptive or is_planar(stretch.problem) or test != stretch.problem.watch("BP"):
+    if items or stretch.problem.adaptive or is_planar(stretch.problem) or test != stretch.problem.test_of("BP"):
         return
     low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
     for item in together_between(stretch, a, b):
@@ -181,7 +181,7 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
 def _is_seen_by(stretch: Stretch, type_: str, test: int) -> bool:
     """True where points of this type are zeros of this test."""
     try:
-        return stretch.problem.watch(type_) == test
+        return stretch.problem.test_of(type_) == test
     except (KeyError, ValueError):  # no point of a curve like this one
         return False
 

@@ -213,7 +213,7 @@ def next_to_event(
     if event.normal_form.get("kind") == "nonsmooth":  # what is divided out is a zero of a smooth function
         return
     near, far = solved(stretch, near, far), solved(stretch, far, near)
-    test = problem.watch(event.type)
+    test = problem.test_of(event.type)
     if test is None and is_planar(problem):
         return
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
@@ -282,7 +282,7 @@ def together_between(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
 def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | Rejected | Nothing]:
     """One simple event: bracket its test, then verify. Returns the bracket and the point, or why it is none."""
     problem = stretch.problem
-    index = problem.watch(type_)
+    index = problem.test_of(type_)
 
     def value(sample: Sample) -> float:
         if index is None:

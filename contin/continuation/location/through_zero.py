@@ -50,7 +50,7 @@ class ThroughZero:
 
     def _test_of(self, type_: str) -> int | None:
         try:
-            return self.problem.watch(type_)
+            return self.problem.test_of(type_)
         except (KeyError, ValueError):  # no point of a curve like this one, or a user value
             return None
 

@@ -10,17 +10,18 @@ import numpy as np
 
 from contin.abi import Array
 from contin.diagram.identity import wrapped
-from contin.diagram.phase.plane import Face, clearance, inside
+from contin.diagram.phase.plane import Face
 from contin.diagram.phase.states import State, images_of
 from contin.diagram.sizes import length, sizes_among
+from contin.linalg.newton import Rules, newton, solution
+from contin.linalg.polygons import clearance, inside
 
 OTHERS: Final = 3  # points of a region to which its states are continued
 TRIED: Final = 40  # points of a region among which they are chosen
 ALONG: Final = 40  # points of a path that must be clear of the border
 CLEAR: Final = 2e-3  # distance of a path from the border, as part of the box
 FIRST, SHORTEST = 1.0 / 16.0, 1e-5  # steps along a path, as parts of it
-NEWTON: Final = 8
-SETTLED: Final = 1e-10  # Newton step, relative to the state's size
+NEWTON: Final = Rules(settled=1e-10, stalled=1e-10, budget=8)  # sizes are relative to the state's
 FAR: Final = 0.1  # ... and the change of a state in one step
 PREDICTED: Final = 0.2  # ... part of that change which the prediction may lack
 DIFFERENCE: Final = 1e-6  # of the way, over which its slope is taken
@@ -114,19 +115,17 @@ class Plane:
 
     def _solved(self, u: Array, p: Array, typical: Array) -> Array | None:
         n, is_map = self.problem.n, self.problem.is_map
-        for _ in range(NEWTON):
+
+        def correct(u: Array) -> tuple[float, Array] | None:
             f, matrix = self.problem.system.jacobian(u, p)
             a, r = (matrix[:, :n] - np.eye(n), f - u) if is_map else (matrix[:, :n], f)
-            if not (np.all(np.isfinite(a)) and np.all(np.isfinite(r))):
+            step = solution(a, -r)
+            if step is None:
                 return None
-            try:
-                step = np.linalg.solve(a, -r)
-            except np.linalg.LinAlgError:  # no equilibrium there, which the check then tells
-                return None
-            u = u + step
-            if np.all(np.abs(step) <= SETTLED * np.maximum(np.abs(u), typical)):
-                return u
-        return None
+            return float(np.max(np.abs(step) / np.maximum(np.abs(u + step), typical))), u + step
+
+        found = newton(correct, u, NEWTON)  # None: no equilibrium there, which the check then tells
+        return None if found is None else found.at
 
     def _is_as_stable(self, u: Array, p: Array, unstable: int) -> bool:
         """True where so many eigenvalues are unstable, but for those that are on the border to rounding."""

@@ -12,8 +12,8 @@ import numpy as np
 from contin import lazy
 from contin.continuation.branch import Branch
 from contin.diagram.phase.phase_data import PhaseData, Region
-from contin.diagram.phase.plane import inside
 from contin.diagram.phase.report import as_data, report
+from contin.linalg.polygons import inside
 from contin.plot.html import write_html
 from contin.plot.look import Look
 from contin.plot.phase import draw

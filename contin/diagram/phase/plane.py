@@ -14,10 +14,10 @@ from heapq import heapify, heappop, heappush
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.diagram.phase.nodes import Edges, noded
+from contin.linalg.polygons import deepest, inside
 from contin.machine import elementary
 
 SMALLEST: Final = 2e-6  # a face with less area is a sliver
@@ -154,45 +154,10 @@ def _area(ring: Array) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def inside(points: Array, rings: Sequence[Array]) -> NDArray[np.bool_]:
-    """Which of the points (k, 2) are inside, by the even-odd rule over all rings together."""
-    odd = np.zeros(len(points), bool)
-    x, y = points[:, 0, None], points[:, 1, None]
-    for ring in rings:
-        a, b = ring, np.roll(ring, -1, axis=0)
-        rises = (a[None, :, 1] > y) != (b[None, :, 1] > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = a[None, :, 0] + (y - a[None, :, 1]) / (b[None, :, 1] - a[None, :, 1]) * (b[None, :, 0] - a[None, :, 0])
-        odd ^= (np.sum(rises & (x < at), axis=1) % 2).astype(bool)
-    return odd
-
-
 def _inner_point(rings: Sequence[Array]) -> Array | None:
-    """The candidate inside the face that is farthest from its border; None where the face is too thin for one."""
-    low, high = rings[0].min(axis=0), rings[0].max(axis=0)
+    """The point of the face that is farthest from its border; None where the face is too thin for one."""
     for grid in (GRID, 4 * GRID):
-        u = (np.arange(grid) + 0.5) / grid
-        x, y = np.meshgrid(low[0] + u * (high[0] - low[0]), low[1] + u * (high[1] - low[1]))
-        candidates = np.column_stack([x.ravel(), y.ravel()])
-        candidates = candidates[inside(candidates, rings)]
-        if len(candidates):
-            distances = clearance(candidates, rings)
-            best = int(np.argmax(distances))
-            if distances[best] > THINNEST:
-                return np.asarray(candidates[best])
+        found = deepest(rings, grid=grid)
+        if found is not None and found[1] > THINNEST:
+            return found[0]
     return None
-
-
-def clearance(points: Array, rings: Sequence[Array]) -> Array:
-    """Distance of each point from the nearest edge of the rings."""
-    best = np.full(len(points), np.inf)
-    for ring in rings:
-        a, d = ring, np.roll(ring, -1, axis=0) - ring
-        length = np.maximum(np.sum(d * d, axis=1), 1e-300)
-        for first in range(0, len(ring), 300):
-            part = slice(first, first + 300)
-            offset = points[:, None, :] - a[None, part, :]
-            t = np.clip(np.sum(offset * d[None, part], axis=2) / length[None, part], 0.0, 1.0)
-            gap = offset - t[..., None] * d[None, part]
-            best = np.minimum(best, np.sqrt(np.min(np.sum(gap * gap, axis=2), axis=1)))
-    return best

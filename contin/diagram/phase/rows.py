@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.diagram.phase.plane import Face, clearance
+from contin.diagram.phase.plane import Face
+from contin.linalg.polygons import clearance
 
 ENOUGH: Final = 0.4  # of the distance from the border that a face's own inner point has
 

@@ -15,12 +15,13 @@ from contin.diagram.orbits import known_orbit
 from contin.diagram.phase.attractors import reached, within_basins
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import polylines
-from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement, inside
+from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement
 from contin.diagram.phase.rest import rest_state
 from contin.diagram.phase.rows import common_rows
 from contin.diagram.phase.search import LociSearch
 from contin.diagram.phase.starts import brought
 from contin.diagram.phase.states import State, states_on
+from contin.linalg.polygons import inside
 
 ROUNDS: Final = 3  # the box is cut anew when the regions' own branches show a curve that was missed
 BEARING: Final = ("LP", "BP")  # curves on which equilibria are born

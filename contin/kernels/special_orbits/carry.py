@@ -1,4 +1,4 @@
-"""The frame of a curve of special orbits, carried on from the linearisation at one point to the next."""
+"""The borders of a curve of special orbits, carried on from the linearisation at one point to the next."""
 
 import math
 

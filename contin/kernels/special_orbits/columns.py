@@ -80,7 +80,7 @@ def to_gauss(values, node, at, to):
                     at[to, g, k, i] += x * node[to, j, k, i]
 
 
-@kernel("Equations, Curve, Points, Frame, CurveMemory, i, f, f")
+@kernel("Equations, Curve, Points, Borders, CurveMemory, i, f, f")
 def second_derivatives(e, c, w, f, o, which, by_period, by_s):
     """rate = Df[v] and bend = D^2f[v, .] at the Gauss points, v at place `which` of o.at with its T and s parts."""
     n, m = e.n, e.m

@@ -14,7 +14,7 @@ ITERATIONS = 8
 STAGNATION = 1e-7
 
 
-@kernel("Equations, Curve, Points, Factors, Scratch, Frame, CurveMemory, f1, f1, f, f, b, f1 -> i")
+@kernel("Equations, Curve, Points, Factors, Scratch, Borders, CurveMemory, f1, f1, f, f, b, f1 -> i")
 def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact, info):
     """Newton on the plane <o.t0, (z - o.z0) / scale> = length from o.guess, into o.zn, with tangent o.tn.
 

@@ -18,7 +18,7 @@ from contin.kernels.special_orbits.memory import BPC, FAILED, LPC, NOT_FINITE, N
 from contin.kernels.special_orbits.null_vectors import final_factors, finish, null_functions
 
 
-@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory, f, f -> i")
+@kernel("Equations, Curve, Points, Factors, Borders, CurveMemory, f, f -> i")
 def linearise(e, c, w, s, f, o, q, extra):
     """The solutions y, G and dG at o.z with second parameter q and the further unknown; 0, FAILED or NOT_FINITE."""
     w.p[c.second] = q
@@ -46,7 +46,7 @@ def linearise(e, c, w, s, f, o, q, extra):
     return 0
 
 
-@kernel("Equations, Curve, Points, Frame, CurveMemory -> f")
+@kernel("Equations, Curve, Points, Borders, CurveMemory -> f")
 def period_row(e, c, w, f, o):
     """o.corner: coefficients of T and s in the forcing period's row (autonomous: 0); returns minus that of r."""
     corner, by_all = o.corner, o.by_all
@@ -63,9 +63,9 @@ def period_row(e, c, w, f, o):
     return by_r
 
 
-@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory, f, f")
+@kernel("Equations, Curve, Points, Factors, Borders, CurveMemory, f, f")
 def solutions(e, c, w, s, f, o, extra, by_r):
-    """o.y: F_(u, T, s) y = (-F, -F_r, 0, 0), the rows of the frame 0 but 1 for the null vectors."""
+    """o.y: F_(u, T, s) y = (-F, -F_r, 0, 0), the border rows 0 but 1 for the null vectors."""
     n, m, x, jump = e.n, e.m, o.x, o.jump
     if c.kind == BPC:
         for k in range(n):
@@ -85,7 +85,7 @@ def solutions(e, c, w, s, f, o, extra, by_r):
         finish(s, n, m, f, o, border, j < 2, j)
 
 
-@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory")
+@kernel("Equations, Curve, Points, Factors, Borders, CurveMemory")
 def reduce_slopes(e, c, w, s, f, o):
     """o.reduced: -D^2F[v, y] for all v and y, condensed. NS: the last column belongs to k."""
     n, m, y, v = e.n, e.m, o.y, o.v

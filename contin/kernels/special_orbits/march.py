@@ -20,7 +20,7 @@ SMALL = 2e-3  # relative amplitude down to which orbits that shrink are followed
 
 
 @kernel(
-    "i, Equations, Curve, Points, Factors, Scratch, Frame, CurveMemory, f1, f1, f1, f1, f2, i, f1, f1, f2, f2, f2, "
+    "i, Equations, Curve, Points, Factors, Scratch, Borders, CurveMemory, f1, f1, f1, f1, f2, i, f1, f1, f2, f2, f2, "
     "f2, i1, f2, f2, f1, f1 -> i"
 )
 def follow_special(
@@ -34,7 +34,7 @@ def follow_special(
         the reason, as `contin.kernels.algebraic.march`; RESCALE where the orbits shrink to a point.
     CORRECT : solve as `correct_special` says on the plane at distance controls[0] from row 0, from the guess in row 1,
         and measure there (row 1). Returns the number of iterations, FAILED or NOT_FINITE.
-    MEASURE : ... and carry the frame on to that point.
+    MEASURE : ... and carry the borders on to that point.
 
     controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, exact]
         h_previous = 0 where `before_*` (point and tangent before row 0) are unknown.

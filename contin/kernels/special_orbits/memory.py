@@ -1,4 +1,4 @@
-"""What the kernels of special orbits share: codes, the frame that the equations are written in, and memory."""
+"""What the kernels of special orbits share: codes, the borders that the equations are written with, and memory."""
 
 from collections import namedtuple
 
@@ -14,8 +14,8 @@ TEST_COUNTS = (6, 6, 10, 5)  # test functions of each kind, see `contin.kernels.
 Curve = namedtuple("Curve", ["kind", "gradient", "second"])
 structure(Curve, "i, i, i")
 
-Frame = namedtuple(
-    "Frame",
+Borders = namedtuple(
+    "Borders",
     [
         "across",  # (2,) raw (p, q) of a unit of s
         "along",  # (2,) ... of r
@@ -24,7 +24,7 @@ Frame = namedtuple(
         "start",  # (n, 2) c or C of v(0)
     ],
 )
-structure(Frame, "f1, f1, f2, f2, f2")
+structure(Borders, "f1, f1, f2, f2, f2")
 
 CurveMemory = namedtuple(
     "CurveMemory",

@@ -6,7 +6,7 @@ from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.special_orbits.memory import BPC, PD
 
 
-@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory -> b")
+@kernel("Equations, Curve, Points, Factors, Borders, CurveMemory -> b")
 def final_factors(e, c, w, s, f, o):
     """LU factors of the last system; False where it is singular. Fills o.corner."""
     n = e.n
@@ -32,7 +32,7 @@ def final_factors(e, c, w, s, f, o):
     return lu_factor(final, o.final_pivots) != 0
 
 
-@kernel("Factors, i, i, Frame, CurveMemory, f, b, i")
+@kernel("Factors, i, i, Borders, CurveMemory, f, b, i")
 def finish(s, n, m, f, o, border, reduced, row):
     """Solve the last system for y[row]: right-hand sides in s.right_last where `reduced`, jump o.jump, phase `border`.
 
@@ -57,7 +57,7 @@ def finish(s, n, m, f, o, border, reduced, row):
     o.y[row, o.y.shape[1] - 1] = unfolding
 
 
-@kernel("Equations, Curve, Factors, Frame, CurveMemory, f -> b")
+@kernel("Equations, Curve, Factors, Borders, CurveMemory, f -> b")
 def null_functions(e, c, s, f, o, k):
     """The null function(s) v of PD and NS and their G, with the factors of the system for v(0); False: singular."""
     n, m = e.n, e.m

@@ -81,7 +81,7 @@ class AdaptiveCurve(AugmentedCurve):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = [
             t for t in self.base.types(self.type)
-            if (k := self.watch(t)) is not None and a.tests[k] * b.tests[k] < 0.0
+            if (k := self.test_of(t)) is not None and a.tests[k] * b.tests[k] < 0.0
         ]  # fmt: skip
         return [self.verify(type_, a, frame) for type_ in changed]
 

@@ -83,7 +83,7 @@ class Base(ABC):
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return ()
 
-    def watch(self, curve: str, type_: str) -> int | None:
+    def test_of(self, curve: str, type_: str) -> int | None:
         return None
 
     def types(self, curve: str) -> Sequence[str]:

@@ -137,9 +137,9 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         return tests, 0, np.zeros(0, complex)
 
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return ("CP",) if self.watch(type_, "CP") and a.tests[CUSP] * b.tests[CUSP] < 0.0 else ()
+        return ("CP",) if self.test_of(type_, "CP") and a.tests[CUSP] * b.tests[CUSP] < 0.0 else ()
 
-    def watch(self, curve: str, type_: str) -> int | None:
+    def test_of(self, curve: str, type_: str) -> int | None:
         return CUSP if curve == "LP" and type_ == "CP" else None
 
     def types(self, curve: str) -> Sequence[str]:

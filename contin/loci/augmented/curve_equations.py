@@ -156,5 +156,5 @@ class CurveEquations(Problem):
             rows = orthonormal(found.T)
         return Near(self, self.base, rows, joined((*self.held, *more), self, z, scale))
 
-    def watch(self, type_: str) -> int | None:
-        return self.base.watch(self.type, type_)
+    def test_of(self, type_: str) -> int | None:
+        return self.base.test_of(self.type, type_)

@@ -115,7 +115,7 @@ class EquilibriumBase(Base):
             return ()
         return MAP if self.problem.is_map else FLOW
 
-    def watch(self, curve: str, type_: str) -> int | None:
+    def test_of(self, curve: str, type_: str) -> int | None:
         known = list(self.types(curve))
         return FIRST + known.index(type_) if type_ in known else None
 

@@ -10,16 +10,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Outcome, Sample, Verified, unverified
-from contin.linalg.vectors import norm
+from contin.linalg.newton import Rules, by_steps
 from contin.loci.augmented.elimination import Augmented, Scalars
 
 if TYPE_CHECKING:
     from contin.loci.augmented.curve_equations import CurveEquations, Near
 
-BUDGET: Final = 20
-SETTLED: Final = 1e-14
-STALLED: Final = 1e-7  # a correction that no longer falls, because of rounding
-FAR: Final = 1.0  # a scaled correction longer than this leads elsewhere
+NEWTON: Final = Rules(settled=1e-14, stalled=1e-7, far=1.0, budget=20)
 SAMPLES: Final = 6
 PERTURBATION: Final = 1e-10
 SAFETY: Final = 4.0
@@ -41,21 +38,15 @@ def solved(problem: CurveEquations, function: Scalars, near: Sample, scale: Arra
     around = problem.near(near.z, scale)
     if around is None:
         return None
-    z, before, size = near.z.copy(), np.inf, np.inf
-    for _ in range(BUDGET):
+
+    def step(z: Array) -> Array | None:
         here = _with(around, function, z, scale)
-        if here is None or here.sign == 0.0:
-            return None
-        step = here.solve(-here.residual)
-        size = norm(step)
-        if not np.isfinite(size) or size > FAR:
-            return None
-        if size >= 0.5 * before and size < STALLED:
-            break
-        z, before = z + scale * step, size
-        if size < SETTLED:
-            break
-    else:
+        return None if here is None or here.sign == 0.0 else here.solve(-here.residual)
+
+    found = by_steps(step, near.z, scale, NEWTON)
+    z = near.z if found is None else found.at
+    here = _with(around, function, z, scale)
+    if found is None or here is None or here.sign == 0.0:
         return None
     scatter = 0.0
     generator = np.random.default_rng(12345)
@@ -65,7 +56,7 @@ def solved(problem: CurveEquations, function: Scalars, near: Sample, scale: Arra
         if there is None:
             return None
         scatter = max(scatter, abs(float((shift - here.solve(there.residual))[-1])))
-    return Solved(z, float(np.max(np.abs(here.residual), initial=0.0)), SAFETY * scatter + size)
+    return Solved(z, float(np.max(np.abs(here.residual), initial=0.0)), SAFETY * scatter + found.left)
 
 
 def _with(near: Near, function: Scalars, z: Array, scale: Array) -> Augmented | None:
@@ -101,7 +92,7 @@ def verify_compound(problem: CurveEquations, a: Sample, b: Sample, frame: Frame)
     """Each of the types whose test changes its sign."""
     found = []
     for type_ in problem.base.types(problem.type):
-        index = problem.watch(type_)
+        index = problem.test_of(type_)
         if index is not None and a.tests[index] * b.tests[index] < 0.0:
             found.append(verify(problem, type_, a, frame))
     return found

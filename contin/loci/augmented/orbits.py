@@ -158,7 +158,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
     def types(self, curve: str) -> Sequence[str]:
         return TYPES.get(self.type, ())
 
-    def watch(self, curve: str, type_: str) -> int | None:
+    def test_of(self, curve: str, type_: str) -> int | None:
         known = self.types(curve)
         return FIRST + known.index(type_) if type_ in known else None
 

@@ -115,8 +115,8 @@ class PointBase(Base):
             return events.explain(self.locus.locus, a, b, self.system.kind == "map")
         return third.explain(type_, a, b)
 
-    def watch(self, curve: str, type_: str) -> int | None:
-        return events.watch(curve, type_) if self.codimension == 1 else third.watch(curve, type_)
+    def test_of(self, curve: str, type_: str) -> int | None:
+        return events.test_of(curve, type_) if self.codimension == 1 else third.test_of(curve, type_)
 
     def types(self, curve: str) -> Sequence[str]:
         if self.codimension > 1:

@@ -48,7 +48,7 @@ def types(curve: str) -> Sequence[str]:
     return NAMES.get(curve, TYPES.get(curve, ()))
 
 
-def watch(curve: str, type_: str) -> int | None:
+def test_of(curve: str, type_: str) -> int | None:
     known = types(curve)
     return FIRST + known.index(type_) if type_ in known else None
 

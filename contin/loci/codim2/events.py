@@ -42,7 +42,7 @@ DOUBLE = 1e-6  # w . v of unit null vectors below this: a Jordan block
 DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
 
 
-def watch(locus: str, type_: str) -> int | None:
+def test_of(locus: str, type_: str) -> int | None:
     """Place of the test function whose zero is a point of this type, or another event, on a curve of type `locus`.
 
     None for points at which a curve ends, which are found as another type (DP and TZ on curves of folds).

@@ -24,6 +24,7 @@ from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
 from contin.problems.state_columns import state_columns
 from contin.simulate.reach import has_reach, left_reach
+from contin.systems.protocol import is_timeless
 
 CHUNK = 250  # rows after which the border is looked at again
 REACH = 12.5  # ... or, where steps are short, this arclength (so many of the longest steps by default)
@@ -47,7 +48,7 @@ class LocusProblem(CurveOfPoints):
 
     @property
     def has_stability(self) -> bool:
-        return not timeless.is_timeless(self.system)
+        return not is_timeless(self.system)
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         return np.asarray(self.curve.scales(z, self.widths(z, bounds)))
@@ -194,8 +195,8 @@ class LocusProblem(CurveOfPoints):
 
         return events.explain(self.locus, a, b, self.system.kind == "map", apart)
 
-    def watch(self, type_: str) -> int | None:
-        return events.watch(self.locus, type_)
+    def test_of(self, type_: str) -> int | None:
+        return events.test_of(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         found = events.verify(self, type_, near, frame)

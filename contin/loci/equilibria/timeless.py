@@ -13,15 +13,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Outcome, Sample, Verified
-from contin.systems.protocol import System
 
 CONSIDERED: Final = 3  # tests: of the curve itself, and that of CP (of folds) or DP (of branch points)
 NONE: Final = np.zeros(0, complex)
-
-
-def is_timeless(system: System) -> bool:
-    """True for equations that vanish, without a time."""
-    return getattr(getattr(system, "model", None), "kind", "") == "algebraic"
 
 
 def without(tests: Array) -> Array:

@@ -35,7 +35,7 @@ def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
     return types if len(types) <= 1 else None
 
 
-def watch(locus: str, type_: str) -> int | None:
+def test_of(locus: str, type_: str) -> int | None:
     tests = tests_of_orbits(locus)
     return 2 + tests.index(type_) if type_ in tests else None
 
@@ -52,7 +52,7 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
 
 def verify(problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test function along the curve, by secants in a bracket; none where a neutral pair crosses."""
-    index = watch(problem.locus, type_)
+    index = test_of(problem.locus, type_)
     if index is None:
         return unverified(type_, "no test of this curve has it")
     zero = zero_of_test(problem, near, frame, index)

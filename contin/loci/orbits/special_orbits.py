@@ -28,8 +28,8 @@ class OfSpecialOrbits(CurveOfSpecialOrbits):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(self.locus, a, b)
 
-    def watch(self, type_: str) -> int | None:
-        return events.watch(self.locus, type_)
+    def test_of(self, type_: str) -> int | None:
+        return events.test_of(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)

@@ -12,16 +12,17 @@ from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Sample, unverified
 from contin.continuation.settings import Settings
+from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.loci.codim2.events import explain as explain_events
-from contin.loci.codim2.events import watch
+from contin.loci.codim2.events import test_of
 from contin.loci.curve_of_points import scalar_columns
 from contin.loci.sparse import events
 from contin.loci.sparse.on_large_curve import OnLargeCurve
 from contin.machine import elementary
 from contin.problems.state_columns import state_columns
 
-POLISH_BUDGET = 12
+POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,33 +69,28 @@ class LargeLocus(OnLargeCurve):
         return python_march.probe(self, base, length, guess, frame, settings)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        z = guess.copy()
-        z[index] = value
-        row = np.zeros(len(z))
+        start = guess.copy()
+        start[index] = value
+        row = np.zeros(len(start))
         row[index] = 1.0
-        before = np.inf
-        for _ in range(POLISH_BUDGET):
+
+        def correct(z: Array) -> tuple[float, Array] | None:
             here = self.linearisation(z, row, scale)
             if here is None:
                 return None
             step = here.solve(np.append(-here.residual, 0.0))
-            size = norm(step)
-            if not np.isfinite(size) or size > 1.0:
-                return None
-            if size >= 0.5 * before and before < 1e-6:
-                return z
-            z = z + step * scale
-            z[index] = value
-            if size < 1e-14:
-                return z
-            before = size
-        return z if before < 1e-6 else None
+            there = z + step * scale
+            there[index] = value
+            return norm(step), there
+
+        found = newton(correct, start, POLISHED)
+        return None if found is None else found.at
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return explain_events(self.locus, a, b)
 
-    def watch(self, type_: str) -> int | None:
-        return watch(self.locus, type_)
+    def test_of(self, type_: str) -> int | None:
+        return test_of(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         if type_ == "neutral":

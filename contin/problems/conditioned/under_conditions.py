@@ -232,7 +232,7 @@ class Conditioned(Problem):
             crossed = [name for name in crossed if name not in (CURVE_BP, TURN)]
         return tuple(crossed) if len(crossed) <= 1 else None
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         names, name = (TURN, CURVE_BP, *self.TESTS), TEST_OF.get(type_, type_)
         return names.index(name) if name in names else None
 

@@ -11,6 +11,7 @@ from contin.abi import Array, Vector
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.surfaces.sliding import Sliding
 from contin.systems.functions.function_system import FunctionSystem
+from contin.systems.protocol import is_timeless
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +31,7 @@ class AlgebraicEquations(InOneParameterProblem):
 
     @cached_property
     def is_timeless(self) -> bool:
-        """True for equations without time: each has a unit of its own, which says nothing about its state's."""
-        return bool(self.system.kind == "algebraic")
+        return is_timeless(self.system)
 
     def linearise(self, z: Array) -> tuple[Array, Array]:
         """F (n,) and [F_u F_p] (n, n + 1), unscaled."""

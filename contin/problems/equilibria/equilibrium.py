@@ -223,16 +223,16 @@ class EquilibriumProblem(AlgebraicEquations):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return special_points.explain(self.is_map, a, b)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return test_on_branch(type_)
 
     def is_lost(self, test: int, z: Array, scale: Array) -> bool:
         jacobian = self.linearise(z)[1] * scale / scale[:-1, None]
         if not np.isfinite(jacobian).all():
             return False
-        if test == self.watch("BP"):
+        if test == self.test_of("BP"):
             return branch_point_is_lost(jacobian)
-        return test == self.watch("HB") and not self.is_map and pair_is_lost(jacobian[:, :-1])
+        return test == self.test_of("HB") and not self.is_map and pair_is_lost(jacobian[:, :-1])
 
     @cached_property
     def _opaque(self) -> bool:

@@ -10,11 +10,15 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
+from contin.linalg.newton import Rules, by_steps, solution
+from contin.linalg.vectors import norm
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
 
-BUDGET = 30
+NEWTON = Rules(settled=1e-15, stalled=1e-12, budget=30)
+AT_HEIGHT = Rules(settled=1e-14, stalled=1e-12, budget=30)
+CORNERED = 1e-4  # scaled distance from a guess beyond which its corner is another one
 HEIGHTS = (1.0, 1e-2, 1e-4, 1e-6, 1e-8)  # ... of that, above a surface that the branch leaves like a root
 ROUNDINGS = 4.0  # of z: beside a corner
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
@@ -38,33 +42,24 @@ def on_surface(
         return None
     bordered = np.vstack([jacobian, gradient / size])
     start = z
-    before = np.inf
-    for _ in range(BUDGET):
-        f, _ = problem.linearise(z)
-        right = np.append(f / scale[:-1], surface(z) / size)
-        try:
-            step = np.linalg.solve(bordered, -right)
-        except np.linalg.LinAlgError:  # the corner is not verified, in words
-            return None
-        length = float(np.linalg.norm(step))
-        if not np.isfinite(length) or float(np.linalg.norm((z - start) / scale)) > 1e-4:
-            return None
-        if length >= 0.5 * before and length < 1e-12:
-            break
-        z = z + scale * step
-        before = length
-        if length < 1e-15:
-            break
-    else:
-        if before > 1e-10:
-            return None
+
+    def missed(z: Array) -> Array:
+        return np.append(problem.linearise(z)[0] / scale[:-1], surface(z) / size)
+
+    def step(z: Array) -> Array | None:
+        return solution(bordered, -missed(z)) if norm((z - start) / scale) <= CORNERED else None
+
+    found = by_steps(step, z, scale, NEWTON)
+    if found is None:  # the corner is not verified, in words
+        return None
+    z, before, left = found.at, found.made, missed(found.at)
     f, scatter = _from_the_smoother_side(problem, z, gradient)
     moved = np.linalg.solve(bordered, np.append(-f / scale[:-1], 0.0))
     spread = float(abs(np.linalg.solve(bordered, np.append(scatter / scale[:-1], 0.0))[-1]))
     error = float(scale[-1] * (max(before, 1e-15) * 4.0 + spread))
     if np.linalg.norm(moved) < 1e-6:
         z = z + scale * moved
-    return z, float(np.max(np.abs(right))), error
+    return z, float(np.max(np.abs(left))), error
 
 
 def _from_the_smoother_side(problem: AlgebraicEquations, z: Array, gradient: Array) -> tuple[Array, Array]:
@@ -99,19 +94,17 @@ def at_height(
         return None
     for height in HEIGHTS:
         z = corner + np.copysign(height * behind, sense) * scale * gradient / size
-        wanted, length = surface(z), np.inf
-        for _ in range(BUDGET):
+        wanted = surface(z)
+
+        def step(z: Array, wanted: float = wanted) -> Array | None:
             f, matrix = problem.linearise(z)
             bordered = np.vstack([matrix * scale / scale[:-1, None], gradient / size])
-            try:
-                step = np.linalg.solve(bordered, -np.append(f / scale[:-1], (surface(z) - wanted) / size))
-            except np.linalg.LinAlgError:  # a smaller height
-                break
-            z, length = z + scale * step, float(np.linalg.norm(step))
-            if not length > 1e-14:
-                break
-        if not length < 1e-12 or far(z, corner, scale, behind):
-            continue
+            return solution(bordered, -np.append(f / scale[:-1], (surface(z) - wanted) / size))
+
+        found = by_steps(step, z, scale, AT_HEIGHT)
+        if found is None or far(found.at, corner, scale, behind):
+            continue  # with a smaller height
+        z = found.at
         _, matrix = problem.linearise(z)
         tangent = np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1]
         tangent = tangent if float(gradient @ tangent) * sense > 0.0 else -tangent

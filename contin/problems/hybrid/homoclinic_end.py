@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.linalg.newton import Rules, newton
 from contin.machine import elementary
 from contin.problems.hybrid.sampling import arc_samples
 
@@ -21,8 +22,7 @@ if TYPE_CHECKING:
     from contin.problems.hybrid.cycle_of_events import CycleOfEvents
 
 CANDIDATES: Final = 8  # equilibria near the orbit that are looked at
-ROUNDS: Final = 30
-CONVERGED: Final = 1e-12
+NEWTON: Final = Rules(settled=1e-12, stalled=1e-12, budget=30)
 NEAR: Final = 0.2  # of the states' sizes: the orbit comes so close to its saddle
 DWELLS: Final = 8.0  # period times the leading eigenvalue, from which on the orbit's time is that at the saddle
 FAR: Final = 30.0  # the extrapolated parameter is not further than so many last steps
@@ -83,13 +83,13 @@ def _is_approached(
 
 def _equilibrium(problem: CycleOfEvents, u: Array, p: Array) -> Array | None:
     """The equilibrium of the flow that Newton's method finds from u."""
-    sizes, state = problem.map.sizes, u.copy()
-    for _ in range(ROUNDS):
-        f, jacobian = problem.flow.system.jacobian(state, p)
+
+    def correct(u: Array) -> tuple[float, Array] | None:
+        f, jacobian = problem.flow.system.jacobian(u, p)
         if not (np.isfinite(f).all() and np.isfinite(jacobian).all()):
             return None
         step = np.linalg.lstsq(jacobian[:, : problem.flow.n], -f, rcond=None)[0]
-        state = state + step
-        if float(np.max(np.abs(step) / sizes)) < CONVERGED:
-            return state
-    return None
+        return float(np.max(np.abs(step) / problem.map.sizes)), u + step
+
+    found = newton(correct, u, NEWTON)
+    return None if found is None else found.at

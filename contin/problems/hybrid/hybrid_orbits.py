@@ -106,7 +106,7 @@ class HybridOrbits(CycleOfEvents):
         found = special_points.explain(True, a, b)
         return None if found is None else tuple(OF_ORBITS.get(type_, type_) for type_ in found)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return test_on_branch(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:

@@ -119,7 +119,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(a, b)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return {"LPC": 0, "NS": 2, "PD": 3, "BPC": 4}.get(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:

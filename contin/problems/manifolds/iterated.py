@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.newton import Rules, newton, solution
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.manifolds.eigenspace import Eigenspace
 
@@ -28,7 +30,7 @@ LARGEST_STEP: Final = 0.02  # of the length
 SHARP: Final = 1e-5  # of the length: chords that may turn by any angle, at the tip of a fold
 SMALLEST: Final = 1e-9  # step in the coordinate
 MOST: Final = 20_000  # points of a branch
-NEWTON: Final = 20
+NEWTON: Final = Rules(settled=1e-13, stalled=1e-13, budget=20)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,18 +118,14 @@ class MapOfFormulas:
     def preimage(self, u: Array) -> Array | None:
         n = len(u)
         x = self.u0 + np.linalg.solve(self._linear, u - self.u0)
-        for _ in range(NEWTON):
+
+        def correct(x: Array) -> tuple[float, Array] | None:
             f, jacobian = self.system.jacobian(x, self.p)
-            try:
-                step = np.linalg.solve(np.asarray(jacobian)[:, :n], u - np.asarray(f))
-            except np.linalg.LinAlgError:  # no pre-image is found from here: the manifold ends, in words
-                return None
-            x = x + step
-            if not np.all(np.isfinite(x)):
-                return None
-            if float(np.linalg.norm(step)) <= 1e-13 * max(float(np.linalg.norm(x)), DELTA * self.size):
-                return np.asarray(x)
-        return None
+            step = solution(np.asarray(jacobian)[:, :n], u - np.asarray(f))
+            return None if step is None else (norm(step) / max(norm(x + step), DELTA * self.size), x + step)
+
+        found = newton(correct, x, NEWTON)  # None: no pre-image is found from here; the manifold ends, in words
+        return None if found is None else found.at
 
     @property
     def _linear(self) -> Array:

@@ -10,6 +10,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError
+from contin.linalg.newton import Rules, newton
+from contin.linalg.vectors import norm
 from contin.lowering.system import compile_system
 from contin.model.expression import neg, substitute, symbol
 from contin.model.parts import TIME
@@ -20,8 +22,7 @@ if TYPE_CHECKING:
 
 RTOL: Final = 1e-12
 ATOL: Final = 1e-13  # of the manifold's length
-NEWTON: Final = 10
-FIXED: Final = 1e-10  # of the length: a step of Newton's method that solves for the fixed point
+NEWTON: Final = Rules(settled=1e-10, stalled=1e-10, budget=10)  # of the length: for the fixed point
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,15 +47,18 @@ class Stroboscope:
 
     def fixed_point(self, guess: Array) -> tuple[Array, Array]:
         """The fixed point u0 next to a guess, and the monodromy matrix there, by Newton's method."""
-        u, n = guess, len(guess)
-        for _ in range(NEWTON):
-            flight = self._flight(self.system, u, np.eye(n)).finished()
+        n = len(guess)
+
+        def correct(at: tuple[Array, Array]) -> tuple[float, tuple[Array, Array]]:
+            flight = self._flight(self.system, at[0], np.eye(n)).finished()
             matrix = flight.variations
-            step = np.linalg.solve(matrix - np.eye(n), u + self.winding - flight.end[:n])
-            u = u + step
-            if float(np.linalg.norm(step)) <= FIXED * self.size:
-                return u, matrix
-        raise NoSolutionError("manifold: the orbit's state at t = 0 is no fixed point of the stroboscopic map")
+            step = np.linalg.solve(matrix - np.eye(n), at[0] + self.winding - flight.end[:n])
+            return norm(step) / self.size, (at[0] + step, matrix)
+
+        found = newton(correct, (guess, np.eye(n)), NEWTON)
+        if found is None:
+            raise NoSolutionError("manifold: the orbit's state at t = 0 is no fixed point of the stroboscopic map")
+        return found.at
 
     @cached_property
     def _backwards(self) -> CompiledSystem:

@@ -184,7 +184,7 @@ class CycleProblem(OfFixedPoints):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return special_points.explain(True, a, b)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return test_on_branch(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:

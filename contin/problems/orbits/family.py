@@ -169,7 +169,7 @@ class FamilyOfOrbits(InOneParameterProblem):
         """True where two orbits agree in period, extent and place, whatever their phases."""
         return alike(one, other, self.winding, self.state_periods)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return None if type_ == "flat" else test_on_branch(type_)
 
     def column_names(self) -> tuple[str, ...]:

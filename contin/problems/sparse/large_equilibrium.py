@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
+from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.problems.sparse import special_points
 from contin.problems.sparse.large_equations import (
@@ -26,7 +27,7 @@ from contin.problems.state_columns import state_columns
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 
-POLISH_BUDGET = 12
+POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,30 +76,20 @@ class LargeProblem(LargeEquations):
         return python_march.probe(self, base, length, guess, frame, settings)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        z = guess.copy()
-        z[-1] = value
-        d = scale[:-1]
-        before = np.inf
-        for _ in range(POLISH_BUDGET):
-            f, linear = self.residual(z), self.linear(z)
+        def correct(z: Array) -> tuple[float, Array] | None:
+            linear = self.linear(z)
             if linear is None:
                 return None
-            step = linear.solve(-f)
-            size = norm(step / d)
-            if not np.isfinite(size) or size > 1.0:
-                return None
-            if size >= 0.5 * before and before < 1e-6:
-                return z
-            z = np.append(z[:-1] + step, value)
-            if size < 1e-14:
-                return z
-            before = size
-        return z if before < 1e-6 else None
+            step = linear.solve(-self.residual(z))
+            return norm(step / scale[:-1]), np.append(z[:-1] + step, value)
+
+        found = newton(correct, np.append(guess[:-1], value), POLISHED)
+        return None if found is None else found.at
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return special_points.explain(a, b)
 
-    def watch(self, type_: str) -> int | None:
+    def test_of(self, type_: str) -> int | None:
         return {"LP": 0, "HB": 2}.get(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:

@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.linalg.newton import Rules, by_steps, solution
 from contin.lowering.system import CompiledSystem
 from contin.model.expression import symbols_in
 from contin.model.printing import to_text
@@ -22,9 +23,7 @@ from contin.problems.surfaces.jumps import Jump, jumps_of
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
 
-BUDGET: Final = 30
-SETTLED: Final = 1e-14  # scaled Newton steps
-ACCURATE: Final = 1e-10
+NEWTON: Final = Rules(settled=1e-14, stalled=1e-10, far=1e3, budget=30)
 FARTHEST: Final = 1e-3  # scaled distance ahead at which a surface is looked for
 BESIDE: Final = (0.5, 0.9, 0.99)  # parts of it at which the branch must be there, on the same side
 TANGENT: Final = 1e-2  # sine of an angle: fields that cross the surface at less than it do not define sliding motion
@@ -191,8 +190,8 @@ def _solved(problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample
     n, scale = problem.n, frame.scale
     side = jump.held(upper, origin.z[:n], problem.full_parameters(origin.z))
     columns = [*range(n), n + problem.active]
-    z, before = origin.z.copy(), np.inf
-    for _ in range(BUDGET):
+
+    def equations(z: Array) -> tuple[Array, Array] | None:
         p = problem.full_parameters(z)
         f, matrix = side.jacobian(z[:n], p)
         if problem.is_map:
@@ -203,24 +202,18 @@ def _solved(problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample
         if not size > 0.0:
             return None
         system = np.vstack([matrix[:, columns] * scale / scale[:-1, None], row / size])
-        right = np.append(f / scale[:-1], h / size)
-        try:
-            step = -np.linalg.solve(system, right)
-        except np.linalg.LinAlgError:  # as where Newton does not converge
-            return None
-        length = float(np.linalg.norm(step))
-        if not length < 1e3:
-            return None
-        if length >= 0.5 * before and length < ACCURATE:
-            break
-        z, before = z + scale * step, length
-        if length < SETTLED:
-            break
-    else:
+        return np.append(f / scale[:-1], h / size), system
+
+    def step(z: Array) -> Array | None:
+        found = equations(z)
+        return None if found is None else solution(found[1], -found[0])
+
+    found = by_steps(step, origin.z, scale, NEWTON)
+    at = None if found is None else equations(found.at)
+    if found is None or at is None or not jump.is_jump(found.at[:n], problem.full_parameters(found.at)):
         return None
-    if not jump.is_jump(z[:n], problem.full_parameters(z)):
-        return None
-    error = 4.0 * max(before, np.finfo(float).eps) * float(scale[-1])
+    z, right = found.at, at[0]
+    error = 4.0 * max(found.made, np.finfo(float).eps) * float(scale[-1])
     distance = float(origin.tangent @ ((z - origin.z) / scale))
     return Meeting(jump, upper, z, float(np.max(np.abs(right))), error, distance)
 

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from contin.diagram.phase.nodes import noded
-from contin.diagram.phase.plane import arrangement, inside
+from contin.diagram.phase.plane import arrangement
+from contin.linalg.polygons import inside
 
 
 def circle(x, y, radius, corners=200):

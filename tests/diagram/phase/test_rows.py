@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from contin.diagram.phase.plane import arrangement, inside
+from contin.diagram.phase.plane import arrangement
 from contin.diagram.phase.rows import common_rows
+from contin.linalg.polygons import inside
 
 
 def upright(x):

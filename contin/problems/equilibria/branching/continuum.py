@@ -17,6 +17,8 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.newton import Rules, newton, solution
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.equilibria.branching.outset import Outset
 from contin.problems.equilibria.defining import singular_basis
@@ -32,7 +34,7 @@ VISIBLE: Final = 1e7  # ... or this, where the equations have no solution at lar
 LOOKED_AT: Final = 8  # samples at which rounding errors are measured, ...
 NEIGHBOURS: Final = 1e-9  # ... by values at angles this far apart
 ACCURATE: Final = 1e-12  # of t
-BUDGET: Final = 25
+NEWTON: Final = Rules(settled=1e-14, stalled=1e-9, budget=25)  # of the distance from the point
 OPPOSITE: Final = 0.2  # of the distance between zeros, by which a half may lie off the other's opposite
 
 
@@ -136,26 +138,27 @@ class _Circle:
         radial = self.mixed @ np.array([elementary.cos(t), elementary.sin(t)])  # what the parameter balances
         angular = self.left @ np.array([-radial[1], radial[0]]) / np.linalg.norm(radial)
         offset = offset + self.kernel @ (s * np.array([elementary.cos(t), elementary.sin(t)]) - self.kernel.T @ offset)
-        size = np.inf
-        for _ in range(BUDGET):
+
+        def correct(at: tuple[Array, float, Array]) -> tuple[float, tuple[Array, float, Array]] | None:
+            offset = at[0]
+            if norm(offset[:-1]) > 3.0 * s:
+                return None
             f, jacobian = self.local.linearise(self.y + offset)
             # F = 0 up to a multiple of `angular`, the kernel's components fixed: unknowns (offset, multiplier)
             matrix = np.zeros((n + 2, n + 2))
             matrix[:n, : n + 1], matrix[:n, n + 1] = jacobian, angular
             matrix[n:, : n + 1] = self.kernel.T
-            try:
-                step = np.linalg.solve(matrix, np.append(-f, np.zeros(2)))
-            except np.linalg.LinAlgError:  # no solution near the guess: as where Newton does not converge
+            step = solution(matrix, np.append(-f, np.zeros(2)))
+            if step is None:
                 return None
-            before, size = size, float(np.linalg.norm(step[: n + 1]))
-            if not np.isfinite(size) or np.linalg.norm(offset[:-1]) > 3.0 * s:
-                return None
-            offset = offset + step[: n + 1]
-            if size < 1e-14 * s or (size < 1e-9 * s and size > 0.5 * before):
-                terms = np.abs(jacobian) @ np.abs(offset)
-                noise = float(np.finfo(float).eps * (np.abs(angular) @ terms))
-                return _Point(offset, -float(step[-1]), noise)
-        return None
+            return norm(step[: n + 1]) / s, (offset + step[: n + 1], float(step[-1]), jacobian)
+
+        found = newton(correct, (offset, 0.0, np.zeros((n, n + 1))), NEWTON)
+        if found is None:
+            return None
+        offset, multiplier, jacobian = found.at
+        noise = float(np.finfo(float).eps * (np.abs(angular) @ (np.abs(jacobian) @ np.abs(offset))))
+        return _Point(offset, -multiplier, noise)
 
     def noise(self, angles: Array, points: list[_Point], s: float) -> float:
         """Rounding errors of g: by the size of the terms, and by second differences of neighbouring values."""

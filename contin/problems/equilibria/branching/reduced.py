@@ -14,11 +14,13 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.newton import Rules, newton, solution
+from contin.linalg.vectors import norm
 from contin.problems.equilibria.defining import singular_basis
 from contin.problems.equilibria.scaled import ScaledSystem
 
-BUDGET: Final = 15
-SETTLED: Final = 1e-14  # corrections below this are rounding
+NEWTON: Final = Rules(settled=1e-14, stalled=1e-9, far=1.0, budget=15)
+ON_SPHERE: Final = Rules(settled=1e-14, stalled=1e-9, budget=30)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,52 +54,45 @@ class ReducedEquations:
     def value(self, c: Array, v: Array) -> Value | None:
         """At c (k + 1,), from a guess v; None where the other equations have no solution near it."""
         n, k = self.left.shape
-        size = np.inf
         matrix = np.zeros((n + 1 + k, n + 1 + k))
         matrix[:n, n + 1 :] = -self.left
         matrix[n:, : n + 1] = self.kernel.T
         right = np.zeros((n + 1 + k, k + 2))
-        for _ in range(BUDGET):
+
+        def correct(at: tuple[Array, Array, Array]) -> tuple[float, tuple[Array, Array, Array]] | None:
+            v = at[0]
             f, jacobian = self.local.linearise(self.y + self.kernel @ c + v)
             if not (np.all(np.isfinite(f)) and np.all(np.isfinite(jacobian))):
                 return None
             matrix[:n, : n + 1] = jacobian
             right[:n, 0], right[n:, 0] = -f, -self.kernel.T @ v
             right[:n, 1:] = -jacobian @ self.kernel
-            try:
-                step = np.linalg.solve(matrix, right)
-            except np.linalg.LinAlgError:  # no solution near the guess: as where Newton does not converge
-                return None
-            before, size = size, float(np.linalg.norm(step[: n + 1, 0]))
-            if not np.isfinite(size) or size > 1.0:
-                return None
-            v = v + step[: n + 1, 0]
-            if size < SETTLED or (size < 1e-9 and size > 0.5 * before):
-                terms = np.abs(self.left.T) @ (np.abs(jacobian) @ np.abs(self.kernel @ c + v))
-                noise = float(np.finfo(float).eps * terms.max())
-                return Value(step[n + 1 :, 0], step[n + 1 :, 1:], v, noise)
-        return None
+            step = solution(matrix, right)
+            return None if step is None else (norm(step[: n + 1, 0]), (v + step[: n + 1, 0], step, jacobian))
+
+        found = newton(correct, (v, right, matrix), NEWTON)
+        if found is None:
+            return None
+        v, step, jacobian = found.at
+        terms = np.abs(self.left.T) @ (np.abs(jacobian) @ np.abs(self.kernel @ c + v))
+        return Value(step[n + 1 :, 0], step[n + 1 :, 1:], v, float(np.finfo(float).eps * terms.max()))
 
     def on_sphere(self, at: Array, radius: float) -> Array | None:
         """The zero of h with |c| = radius that Newton's method finds from the point `at`; None where it finds none."""
-        size = np.inf
-        for _ in range(2 * BUDGET):
+
+        def correct(at: Array) -> tuple[float, Array] | None:
             f, jacobian = self.local.linearise(at)
             c = self.kernel.T @ (at - self.y)
             matrix = np.vstack([jacobian, (self.kernel @ c)[None] / radius])
-            try:
-                step = np.linalg.solve(matrix, np.append(-f, 0.5 * (radius - float(c @ c) / radius)))
-            except np.linalg.LinAlgError:  # none found from here: as where Newton does not converge
+            step = solution(matrix, np.append(-f, 0.5 * (radius - float(c @ c) / radius)))
+            if step is None:
                 return None
-            before, size = size, float(np.linalg.norm(step))
-            if not np.isfinite(size):
-                return None
+            size = norm(step)
             at = at + step * min(1.0, 0.5 * radius / max(size, 1e-300))
-            if float(np.linalg.norm(at - self.y)) > 4.0 * radius:
-                return None
-            if size < SETTLED or (size < 1e-9 and size > 0.5 * before):
-                return at
-        return None
+            return None if norm(at - self.y) > 4.0 * radius else (size, at)
+
+        found = newton(correct, at, ON_SPHERE)
+        return None if found is None else found.at
 
     def sign(self, at: Array) -> float:
         """The sign of the determinant of h and |c|^2 by c at a zero; NaN where it is not known.

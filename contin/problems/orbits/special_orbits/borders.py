@@ -1,7 +1,7 @@
-"""The frame that the equations of a curve of special orbits are written in, found at a point.
+"""The borders that the equations of a curve of special orbits are written in, found at a point.
 
-Its parts are those of `contin.kernels.special_orbits.memory.Frame`; `contin.kernels.special_orbits.carry` takes it on
-to the next points. Widths are the parameters' scales, units those of (u(0), T, s).
+Their parts are those of `contin.kernels.special_orbits.memory.Borders`; its neighbour `carry` takes them on to the next
+points. Widths are the parameters' scales, units those of (u(0), T, s).
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from contin.linalg.vectors import norm
 from contin.problems.orbits.special_orbits.on_one_mesh import Work
 
 
-def begin(frame: Any, widths: Array) -> None:
-    """A frame that is regular almost surely."""
-    frame.across[:], frame.along[:] = (widths[0], 0.0), (0.0, widths[1])
+def begin(own: Any, widths: Array) -> None:
+    """Borders that are regular almost surely."""
+    own.across[:], own.along[:] = (widths[0], 0.0), (0.0, widths[1])
     generator = np.random.default_rng(5)
-    for border in (frame.rows, frame.jump, frame.start):
+    for border in (own.rows, own.jump, own.start):
         border[:] = generator.normal(size=border.shape)
 
 
 def set_borders(type_: str, work: Work, units: Array, further: float) -> None:
     """Rows, jumps and start vectors from the reduced matrices of the last linearisation."""
-    n, frame, end = units.size - 2, work.frame, work.factors.end
+    n, own, end = units.size - 2, work.borders, work.factors.end
     left, right = end[:n, :n], end[:n, n : 2 * n]
     sizes = units[:n]
     whole = np.zeros((n + 1, n + 2))
@@ -37,11 +37,11 @@ def set_borders(type_: str, work: Work, units: Array, further: float) -> None:
     whole[n] /= max(float(np.linalg.norm(whole[n])), 1e-300)
     matrix = whole[:, : n + 1] if type_ == "LPC" else whole
     vectors, _, null = np.linalg.svd(matrix)
-    frame.rows[:] = 0.0
+    own.rows[:] = 0.0
     for k in range(2 if type_ == "BPC" else 1):
-        frame.rows[k, : matrix.shape[1]] = null[-1 - k] / units[: matrix.shape[1]]
+        own.rows[k, : matrix.shape[1]] = null[-1 - k] / units[: matrix.shape[1]]
     if type_ == "BPC":
-        frame.jump[:, 0] = vectors[:n, -1] * sizes
+        own.jump[:, 0] = vectors[:n, -1] * sizes
     if type_ in ("PD", "NS"):
         monodromy = -np.linalg.solve(right * sizes, left * sizes)
         one = np.eye(n)
@@ -50,13 +50,13 @@ def set_borders(type_: str, work: Work, units: Array, further: float) -> None:
             critical = monodromy @ monodromy - 2.0 * further * monodromy + one
         vectors, _, null = np.linalg.svd(critical)
         for k in range(min(2, n)):
-            frame.jump[:, k] = vectors[:, -1 - k] * sizes
-            frame.start[:, k] = null[-1 - k] / sizes
+            own.jump[:, k] = vectors[:, -1 - k] * sizes
+            own.start[:, k] = null[-1 - k] / sizes
 
 
-def turn(frame: Any, widths: Array, across: float, along: float) -> None:
+def turn(own: Any, widths: Array, across: float, along: float) -> None:
     """New directions of the parameters, (across, along) in the basis of the present ones."""
-    direction = (across * frame.across + along * frame.along) / widths
+    direction = (across * own.across + along * own.along) / widths
     direction /= norm(direction)
-    frame.across[:] = direction * widths
-    frame.along[0], frame.along[1] = -direction[1] * widths[0], direction[0] * widths[1]
+    own.across[:] = direction * widths
+    own.along[0], own.along[1] = -direction[1] * widths[0], direction[0] * widths[1]

@@ -92,7 +92,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         """Newton on the plane <tangent, (z - z0) / scale> = length; or why it failed.
 
         `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
-        tolerance only measures at `guess`. `carry` : take the frame and the sense of normals on to the solution.
+        tolerance only measures at `guess`. `carry` : take the borders and the sense of normals on to the solution.
         """
         work, rows = self._work(guess, scale), self._rows(1, z0, tangent)
         rows.z[1] = guess
@@ -107,7 +107,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         self, origin: Sample, before: Sample | None, length: float, scale: Array, step: float, limit: int,
         walls: Sequence[tuple[int, float, float]], settings: Settings,
     ) -> Chunk:  # fmt: skip
-        """Follow the curve from `origin`, where frame and tests are known."""
+        """Follow the curve from `origin`, where borders and tests are known."""
         rows = self._rows(limit, origin.z, origin.tangent)
         rows.tests[0], rows.unstable[0] = origin.tests, origin.unstable
         rows.re[0], rows.im[0] = origin.eigenvalues.real, origin.eigenvalues.imag
@@ -126,7 +126,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     ) -> int:  # fmt: skip
         rows.info[6] = work.normals.count
         status = int(follow_special(
-            mode, self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame,
+            mode, self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.borders,
             work.memory, scale, self._sizes(rows.z[0], scale), work.weights, controls, walls, limit,
             rows.z[0] if before is None else before.z, rows.t[0] if before is None else before.tangent,
             work.normals.room_for(limit + 1), rows.z, rows.t, rows.tests, rows.unstable, rows.re, rows.im, rows.lengths,
@@ -167,13 +167,13 @@ class OrbitCurve(CurveOfPeriodicOrbits):
             self.settle(z, scale)
         return known
 
-    # -- the frame ----------------------------------------------------------------------------------------------------
+    # -- the borders --------------------------------------------------------------------------------------------------
 
     def settle(self, z: Array, scale: Array) -> None:
-        """A frame that fits at z: directions of the parameters, rows and jumps from singular vectors."""
+        """Borders that fit at z: directions of the parameters, rows and jumps from singular vectors."""
         work, widths = self._work(z, scale), scale[[-1, -2]]
-        if not work.frame.across.any():
-            borders.begin(work.frame, widths)
+        if not work.borders.across.any():
+            borders.begin(work.borders, widths)
         for _ in range(2):
             measured = self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
             with suppress(np.linalg.LinAlgError):  # of very long orbits: the borders before serve
@@ -181,7 +181,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
             if self.type != "LPC":
                 break
             if not isinstance(measured, Failure):
-                borders.turn(work.frame, widths, 1.0, -float(work.memory.y[1, work.nodes + 1]))
+                borders.turn(work.borders, widths, 1.0, -float(work.memory.y[1, work.nodes + 1]))
 
     def _units(self, z: Array, scale: Array) -> Array:
         """Scales of (u(0), T, s)."""

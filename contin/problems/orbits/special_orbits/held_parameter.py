@@ -1,6 +1,6 @@
 """Special orbits of a family in one parameter: a curve in two whose second one is held.
 
-The equations of `contin.kernels.special_orbits` with the family's parameter in both places, and s alone in the frame:
+The equations of `contin.kernels.special_orbits` with the family's parameter in both places, and s alone in the borders:
 the direction r, along which curves go on, is left out, and Newton's step is a combination of the other solutions.
 """
 
@@ -34,8 +34,8 @@ class HeldCurve(OrbitCurve):
     def settle(self, z: Array, scale: Array) -> None:
         """Borders that fit at z; s stays the parameter."""
         work = self._work(z, scale)
-        if not work.frame.across.any():
-            borders.begin(work.frame, scale[[-1, -2]])
+        if not work.borders.across.any():
+            borders.begin(work.borders, scale[[-1, -2]])
         for _ in range(2):
             self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
             with suppress(np.linalg.LinAlgError):  # the borders before serve; the step tells where they do not

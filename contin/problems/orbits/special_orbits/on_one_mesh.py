@@ -1,4 +1,4 @@
-"""What a curve of special orbits keeps for one mesh: the kernel's memory, the frame, and the sense of its normals."""
+"""What a curve of special orbits keeps for one mesh: the kernel's memory, the borders, and the sense of its normals."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.kernels.collocation_march import new_memory
-from contin.kernels.special_orbits.memory import Frame, new_curve_memory
+from contin.kernels.special_orbits.memory import Borders, new_curve_memory
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
@@ -34,14 +34,14 @@ class Normals:
 
 @dataclass(eq=False)
 class Work:
-    """Memory of the kernel for one mesh, and the frame that the curve's equations are written in."""
+    """Memory of the kernel for one mesh, and the borders that the curve's equations are written in."""
 
     mesh: Array
     points: Any
     factors: Any
     scratch: Any
     memory: Any
-    frame: Any
+    borders: Any
     weights: Array  # of differences between the neighbours of the inner nodes, repeated for every state
     normals: Normals
     settled: bool = False
@@ -59,7 +59,7 @@ class Work:
         size = (count * m + 1) * n + count + 2
         points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
         memory = new_curve_memory(KINDS[type_], n, m, free, count, p.size)  # type: ignore[no-untyped-call]
-        frame = Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
+        borders = Borders(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
         times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
         weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)
-        return cls(mesh, points, factors, scratch, memory, frame, weights, normals)
+        return cls(mesh, points, factors, scratch, memory, borders, weights, normals)

@@ -1,4 +1,4 @@
-"""An orthonormal frame of disturbances, and how fast it is stretched (Benettin et al. 1980)."""
+"""Orthonormal directions of disturbances, and how fast they are stretched (Benettin et al. 1980)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STUDENT: Final = {8: 2.365, 16: 2.131, 32: 2.040}  # 97.5 % quantiles for one de
 WALKED: Final = 3.5  # times the largest distance from a straight line: 1.8 standard deviations of a walk at least
 
 
-def generic_frame(n: int, count: int) -> Array:
+def generic_directions(n: int, count: int) -> Array:
     """Orthonormal columns (n, count) in no special position: without zeros, and the same every time."""
     golden = 0.6180339887498949
     numbers = (golden * np.arange(1.0, 1.0 + n * count)) % 1.0
@@ -55,7 +55,7 @@ def _another(before: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """Logarithms of the frame's stretches, (T, k), and the times (T,) that each took."""
+    """Logarithms of the stretches, (T, k), and the times (T,) that each took."""
 
     logarithms: Array
     times: Array
