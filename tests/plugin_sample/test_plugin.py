@@ -81,12 +81,12 @@ def test_what_the_models_expect_holds(environment):
     code = """
 import contin
 from contin.runs.expect import verify_expectations
-for name in ("sample/ecology/logistic-harvest", "ring"):
+for name in ("sample/ecology/logistic-harvest", "sample/ecology/critical-strip", "ring"):
     for report in verify_expectations(contin.load(name)):
         print(report.holds, report.text)
 """
     lines = environment.run(code).stdout.splitlines()
-    assert len(lines) == 2
+    assert len(lines) == 3
     assert all(line.startswith("True") for line in lines), lines
 
 
@@ -129,6 +129,31 @@ def test_without_packages_there_is_no_such_point(environment):
     code = "from contin.special.table import table; print('NSA' in table())"
     assert environment.run(code).stdout.strip() == "True"
     assert environment.run(code, CONTIN_PLUGINS="0").stdout.strip() == "False"
+
+
+SCATTERING = """
+import json
+import contin
+from contin_sample_models.scattering import seed
+for nodes in (4, 12):
+    branch = contin.continuation(seed(nodes), "c", (0.0, 1.5), settings={"steps": 100})
+    columns = {name: branch.columns[name].tolist() for name in ("c", "s")}
+    points = [(p.type, p.values["c"], p.values["s"], p.error) for p in branch.points]
+    print(json.dumps({"points": points, "columns": columns, "notes": list(branch.notes)}))
+"""
+
+
+def test_a_problem_of_the_package_is_followed_through_its_fold(environment):
+    """s = 2/c (1 -+ sqrt(1 - c)) on both sides of the fold at c = 1, whatever the number of nodes."""
+    for line in environment.run(SCATTERING).stdout.splitlines():
+        found = json.loads(line)
+        [(type_, c, s, error)] = found["points"]
+        assert (type_, found["notes"]) == ("LP", [])
+        assert abs(c - 1.0) <= error < 1e-10
+        assert s == pytest.approx(2.0, abs=1e-6)
+        for c, s in zip(found["columns"]["c"], found["columns"]["s"], strict=True):
+            assert (c * s / 2 - 1) ** 2 == pytest.approx(1 - c, abs=1e-10)
+        assert max(found["columns"]["s"]) > 4.0  # the branch has passed the fold
 
 
 ENERGY = """
