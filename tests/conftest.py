@@ -3,7 +3,8 @@
 numpy and BLAS compute as the command has them do, with the level of machine code and one thread, so that the same
 digits are tested on every processor. `CONTIN_TARGET=x86-64-v2` tests those of another level, and
 `CONTIN_TEST_LIBRARIES=processor` what numpy and BLAS choose by themselves, `CONTIN_TEST_NOISE=1` (any number) what
-rounding may do anywhere (`tests/noise.py`): the tests must pass with each.
+rounding may do anywhere (`tests/noise.py`), `CONTIN_TEST_UNWRITTEN=1` what memory held before may do
+(`tests/unwritten.py`): the tests must pass with each.
 
 `pytest -m fast` runs the core in under a minute once the kernels are compiled: what is in `FAST`, marked here.
 """
@@ -20,12 +21,18 @@ else:
 
     environment.fix()
 
+import pytest
 from hypothesis import settings
 
 if os.environ.get("CONTIN_TEST_NOISE"):
     from tests.noise import add_noise
 
     add_noise(int(os.environ["CONTIN_TEST_NOISE"]))
+
+if os.environ.get("CONTIN_TEST_UNWRITTEN"):
+    from tests.unwritten import fill_new_arrays
+
+    fill_new_arrays()
 
 settings.register_profile("contin", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("contin")
@@ -61,6 +68,26 @@ def pytest_runtest_setup(item):
     """The digits of mpmath that an earlier test asked for are not those of the next."""
     if "mpmath" in sys.modules:
         sys.modules["mpmath"].mp.prec = 53
+
+
+_warned = []
+
+
+def pytest_warning_recorded(warning_message, nodeid):
+    """Numbers that overflow, or divide rounding by rounding, are looked into: a coefficient was wrong behind one."""
+    if issubclass(warning_message.category, RuntimeWarning):
+        _warned.append(f"{nodeid}: {warning_message.message} ({warning_message.filename}:{warning_message.lineno})")
+
+
+def pytest_terminal_summary(terminalreporter):
+    for line in _warned:
+        terminalreporter.write_line(f"WARNED {line}", red=True)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionfinish(session):
+    if _warned and session.exitstatus == 0:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 def is_fast(path: Path) -> bool:

@@ -95,6 +95,7 @@ def _left_vectors(right: Values) -> Values:
         left = np.linalg.inv(right).conj().T
     except np.linalg.LinAlgError:  # a multiple eigenvalue with too few vectors
         return np.zeros_like(right)
+    left = left / np.abs(left).max(axis=0)  # of a nearly multiple eigenvalue they are so long that squares overflow
     return np.asarray(left / np.linalg.norm(left, axis=0))
 
 

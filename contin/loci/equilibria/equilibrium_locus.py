@@ -176,7 +176,7 @@ class LocusProblem(CurveOfPoints):
         if not curve.compiled or self.locus == "BP":
             return None
         z, t, tests = np.empty((count, curve.size)), np.empty((count, curve.size)), np.empty((count, kernel.TESTS))
-        re, im, counts = np.empty((count, n)), np.empty((count, n)), np.empty(count, np.int64)
+        (re, im), counts = np.full((2, count, n), np.nan), np.empty(count, np.int64)  # unknown where there is no point
         kernel.points_between(
             *self._functions, n, self.base.copy(), self._slots, base.z, base.tangent, a.z, a.tangent, b.z, b.tangent,
             np.array(fractions), np.array(lengths), curve.parameters(base.z), curve.active, frame.scale,
