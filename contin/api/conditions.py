@@ -11,6 +11,7 @@ from contin.errors import InputError
 from contin.loci.augmented import of_orbits, of_points
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.loci.orbits.orbit_locus import OrbitLocusProblem
+from contin.model.advice import place_of_parameter
 from contin.model.model import Model
 from contin.model.relations import relations
 from contin.problems.conditioned.equilibria import ConditionedEquilibria
@@ -67,8 +68,7 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
 
 def _check_free(free: Sequence[str], names: Sequence[str], varying: Sequence[str]) -> None:
     for name in free:
-        if name not in names:
-            raise InputError(f"free: no parameter {name!r}; the model has {', '.join(names)}")
+        place_of_parameter(name, names, "free: ")
         if name in varying:
             raise InputError(f"free: {name} varies in this run already")
     if len(set(free)) < len(free):

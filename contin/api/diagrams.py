@@ -21,7 +21,7 @@ from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
-from contin.model.advice import closest
+from contin.model.advice import place_of_parameter
 from contin.model.kinds import need_time
 from contin.problems.sparse.as_dense import SMALL
 from contin.problems.symmetry_group import group_note
@@ -152,8 +152,7 @@ def phase(
         )
     known = varying(found[0].system.parameter_names)
     for name in pair:
-        if name not in known:
-            raise InputError(f"no parameter {name!r}: {closest(name, known) or 'there are ' + ', '.join(known)}")
+        place_of_parameter(name, known)
     box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
     result = compute(found, pair, box, settings, watch, orbits, journal)
     alone = (FUNCTION,) if orbits and isinstance(model, FunctionProblem) and model.kind == "flow" else ()

@@ -14,7 +14,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.user_value import Target
 from contin.errors import InputError
-from contin.model.advice import closest
+from contin.model.advice import closest, place_of_parameter
 from contin.model.model import Model
 from contin.systems.functions.function_problem import FunctionProblem
 
@@ -107,10 +107,7 @@ def as_seed(start: object, parameter: str) -> Seed:
             )
         return start
     if isinstance(start, Start):
-        known = varying(start.system.parameter_names)
-        if parameter not in known:
-            advice = closest(parameter, known) or f"the model has {', '.join(known) or 'none'}"
-            raise InputError(f"no parameter {parameter!r}: {advice}")
+        place_of_parameter(parameter, varying(start.system.parameter_names))
         return start.seed(parameter)
     if isinstance(start, LocusStart | StartOfCurve):
         raise InputError("point.locus() starts a curve in two parameters: give both, such as ('a', 'b')")

@@ -16,7 +16,7 @@ from contin.api.auto_start import FoundStart, is_singular
 from contin.api.fixed_totals import varying
 from contin.api.survey_side import Side, follow
 from contin.errors import InputError
-from contin.model.advice import closest
+from contin.model.advice import place_of_parameter
 from contin.model.expression import symbols_in
 from contin.model.model import Model
 from contin.plot.survey import drawn
@@ -149,8 +149,7 @@ def survey(
     system = started.found[0].system
     model, known = system.model, varying(system.parameter_names)
     for name in names:
-        if name not in known:
-            raise InputError(f"no parameter {name!r}: {closest(name, known) or 'there are ' + ', '.join(known)}")
+        place_of_parameter(name, known)
     found = {_name(one, k, len(started.found)): one for k, one in enumerate(started.found)}
     values = dict(zip(system.parameter_names, started.found[0].solution.p.tolist(), strict=True))
     notes = [*conserved_notes(model), *started.notes]

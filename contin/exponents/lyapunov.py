@@ -18,7 +18,7 @@ from contin.exponents.carriers import SMALLER, Carrier, FlowCarrier, JumpCarrier
 from contin.exponents.disturbances import Growth, generic_directions, logarithms, orthonormal
 from contin.exponents.spectrum import LyapunovSpectrum
 from contin.limits import check_count
-from contin.model.advice import closest
+from contin.model.advice import place_of_parameter
 from contin.model.kinds import has_steps, need_time
 from contin.model.model import Model
 from contin.problems.hybrid.flow import HybridFlow
@@ -83,9 +83,8 @@ def lyapunov(
     if isinstance(model, Model):
         _need_disturbances(model)
         model = with_named_totals(model, [*([parameter] if parameter else []), *(parameters or ())])
-    if parameter is not None and parameter not in model.parameter_names:
-        advice = closest(parameter, model.parameter_names) or f"the model has {', '.join(model.parameter_names)}"
-        raise InputError(f"no parameter {parameter!r}: {advice}")
+    if parameter is not None:
+        place_of_parameter(parameter, model.parameter_names)
     steps: list[Record] = [{}]
     if parameter is not None and values is not None:
         steps = [{parameter: float(v)} for v in values]

@@ -25,6 +25,7 @@ from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.approach import Approach, approaches
 from contin.homoclinic.cycle_connection_problem import ConnectionToCycle, CurveOfConnections, Homotopy
 from contin.machine import elementary
+from contin.model.advice import place_of_parameter
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile, node_times
 from contin.problems.orbits.rests_and_cycles import Cycle, Rest
@@ -111,9 +112,8 @@ class CycleConnection:
     # -- the homotopy --------------------------------------------------------------------------------------------------
 
     def _found(self, parameters: tuple[str, ...]) -> Seed:
-        unknown = [name for name in parameters if name not in self.system.parameter_names]
-        if unknown:
-            raise InputError(f"no parameter {unknown[0]!r}; the model has {', '.join(self.system.parameter_names)}")
+        for name in parameters:
+            place_of_parameter(name, self.system.parameter_names)
         failures = []
         for one in approaches(self.system, self.p, self.first, self.last):
             try:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from difflib import get_close_matches
 from typing import Final
 
+from contin.errors import InputError
 from contin.model import features
 from contin.model.vocabulary import FUNCTIONS
 
@@ -86,6 +87,14 @@ def closest(word: str, known: Iterable[str]) -> str:
     if not matches:
         return ""
     return f"did you mean {' or '.join(repr(m) for m in matches)}?"
+
+
+def place_of_parameter(name: str, names: Sequence[str], key: str = "") -> int:
+    """Where it stands among the names; InputError, which begins with the key, where it is none of them."""
+    if name not in names:
+        advice = closest(name, names) or f"the model has {', '.join(names) or 'none'}"
+        raise InputError(f"{key}no parameter {name!r}: {advice}")
+    return list(names).index(name)
 
 
 def unknown_name(word: str, known: Iterable[str], calls: Container[str] = ()) -> str:

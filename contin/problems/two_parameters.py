@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Problem
 from contin.errors import InputError
+from contin.model.advice import place_of_parameter
 from contin.problems.scales import parameter_width
 
 if TYPE_CHECKING:
@@ -111,11 +112,8 @@ class OnAdaptiveMesh:
 
 def indices(system: System, parameters: Sequence[str]) -> tuple[int, int]:
     """Places of two parameters among those of the system."""
-    known = list(system.parameter_names)
     names = list(parameters)
     if len(names) != 2 or names[0] == names[1]:
         raise InputError(f"a curve of special points needs two parameters; got {', '.join(names)}")
-    for name in names:
-        if name not in known:
-            raise InputError(f"no parameter {name!r}; the model has {', '.join(known)}")
-    return known.index(names[0]), known.index(names[1])
+    first, second = (place_of_parameter(name, system.parameter_names) for name in names)
+    return first, second

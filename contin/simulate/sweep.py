@@ -11,7 +11,7 @@ import numpy as np
 from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
-from contin.model.advice import closest
+from contin.model.advice import place_of_parameter
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
@@ -102,10 +102,7 @@ def sweep(
     """
     low, high = (float(v) for v in range)
     model = with_named_totals(model, [parameter, *(parameters or ())])
-    if parameter not in model.parameter_names:
-        known = model.parameter_names
-        advice = closest(parameter, known) or f"the model has {', '.join(known) or 'none'}"
-        raise InputError(f"no parameter {parameter!r}: {advice}")
+    place_of_parameter(parameter, model.parameter_names)
     if not (np.isfinite(low) and np.isfinite(high) and low < high):
         raise InputError(f"range: the lower end must be below the upper one; got [{low:g}, {high:g}]")
     if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= LARGEST:

@@ -10,9 +10,9 @@ import numpy as np
 from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.errors import InputError
 from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary
+from contin.model.advice import place_of_parameter
 from contin.special.table import curves_of_points
 from contin.transitions.equilibrium_of_large_to_locus import seed_of_large
 from contin.transitions.registry import born
@@ -45,11 +45,8 @@ def loci_through(problem: LargeLocus, point: SpecialPoint, parameters: Sequence[
 @born(LargeLocus, "", "the branch of equilibria")
 def equilibria_through(problem: LargeLocus, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The branch of equilibria through a point of a locus, with one parameter free."""
-    names = list(problem.system.parameter_names)
-    if parameter not in names:
-        raise InputError(f"no parameter {parameter!r}; the problem has {', '.join(names)}")
+    active = place_of_parameter(parameter, problem.system.parameter_names)
     p = problem.curve.full_parameters(point.z)
-    active = names.index(parameter)
     branch = replace(problem.curve.origin, base=p, active=active, work=type(problem.curve.origin.work)())
     z = np.append(point.z[: problem.n], p[active])
     return [Seed(branch, z, parent=Parent(point.branch, point.label))]

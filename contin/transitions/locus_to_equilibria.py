@@ -6,8 +6,8 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.errors import InputError
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.model.advice import place_of_parameter
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.transitions.registry import born
 
@@ -15,11 +15,8 @@ from contin.transitions.registry import born
 @born(LocusProblem, "", "the branch of equilibria")
 def equilibria_through(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The branch of equilibria (fixed points) through a point of a locus, with one parameter free."""
-    names = list(problem.system.parameter_names)
-    if parameter not in names:
-        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
+    active = place_of_parameter(parameter, problem.system.parameter_names)
     p = problem.curve.full_parameters(point.z)
-    active = names.index(parameter)
     branch = EquilibriumProblem(problem.system, p, active, problem.state_periods)
     scale = None
     if point.scale.size:  # at a singular point the branch itself does not tell typical sizes

@@ -8,6 +8,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.model.advice import place_of_parameter
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.transitions.registry import born
 
@@ -18,9 +19,7 @@ if TYPE_CHECKING:
 @born(OfPeriodicOrbits, "", "the family of orbits")
 def orbits_through(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the family."""
-    names = list(problem.system.parameter_names)
-    if parameter not in names:
-        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
+    place_of_parameter(parameter, problem.system.parameter_names)
     return [Seed(*problem.curve.at(point.z).freed(parameter, problem.curve.orbit(point.z)))]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.continuation.branch import SpecialPoint
 from contin.errors import InputError
+from contin.model.advice import place_of_parameter
 from contin.problems.scales import parameter_width
 
 if TYPE_CHECKING:
@@ -32,9 +33,7 @@ def in_another(problem: Family, point: SpecialPoint, parameter: str) -> tuple[Fa
     """The same orbit with another parameter free: the doubled orbits are born along every one that moves the point."""
     if parameter == problem.parameters[0]:
         return problem, point
-    if parameter not in problem.system.parameter_names:
-        names = ", ".join(problem.system.parameter_names)
-        raise InputError(f"{point.branch}.{point.label}: no parameter {parameter!r}; the model has {names}")
+    place_of_parameter(parameter, problem.system.parameter_names, f"{point.branch}.{point.label}: ")
     other = problem.with_active(parameter, point.z)
     z, scale = point.z.copy(), point.scale.copy()
     z[-1] = other.base[other.active]

@@ -17,6 +17,7 @@ from contin.loci.augmented.points import PointBase
 from contin.loci.augmented.scalars import Conditions, Degeneracy, Unfolding
 from contin.loci.equilibria.bordered import BorderedCurve
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.model.advice import place_of_parameter
 from contin.model.model import Model
 from contin.model.relations import Relation
 
@@ -25,12 +26,10 @@ RESTS_ON = {"CP": "LP", "BT": "LP", "GH": "HB", "ZH": "HB", "HH": "HB", "BP": "B
 
 def places(names: Sequence[str], parameters: Sequence[str]) -> list[int]:
     """Of parameters among those of the model."""
-    for name in parameters:
-        if name not in names:
-            raise InputError(f"no parameter {name!r}; the model has {', '.join(names)}")
+    found = [place_of_parameter(name, names) for name in parameters]
     if len(set(parameters)) < len(parameters):
         raise InputError(f"a curve of special points needs different parameters; got {', '.join(parameters)}")
-    return [list(names).index(name) for name in parameters]
+    return found
 
 
 def bordered(locus: LocusProblem, type_: str, p: Array, parameters: Sequence[str]) -> LocusProblem:

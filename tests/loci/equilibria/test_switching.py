@@ -92,7 +92,7 @@ def test_from_a_point_of_codimension_two_to_equilibria_in_one_parameter():
 
 @pytest.mark.parametrize(
     ("names", "message"),
-    [(("p", "p"), "two parameters"), (("p", "r"), "no parameter 'r'; the model has p, q"), (("p",), "two parameters")],
+    [(("p", "p"), "two parameters"), (("p", "r"), "no parameter 'r': the model has p, q"), (("p",), "two parameters")],
 )
 def test_a_wrong_pair_of_parameters_says_what_to_write(names, message):
     with pytest.raises(InputError, match=message):
