@@ -1,17 +1,18 @@
 """Orthogonal collocation on one interval: Gauss points, Lobatto nodes, and the matrices between them.
 
 A piece of the solution is the polynomial of degree m through its values at m + 1 Gauss-Lobatto nodes of [0, 1] (the
-ends
-are shared with the neighbours). The differential equation holds at the m Gauss points. Then the error is of order m + 1
-inside the intervals and of order 2 m at their ends (de Boor and Swartz 1973). Lobatto nodes, and not equidistant ones,
-because their quadrature weights are positive for every m: they make the diagonal metric in which lengths are measured.
+ends are shared with the neighbours). The differential equation holds at the m Gauss points. Then the error is of order
+m + 1 inside the intervals and of order 2 m at their ends (de Boor and Swartz 1973). Lobatto nodes, and not equidistant
+ones, because their quadrature weights are positive for every m: they make the diagonal metric in which lengths are
+measured. The matrices are computed in rational numbers and rounded once.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
-from math import factorial
+from math import factorial, fsum, prod
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -50,13 +51,7 @@ def basis(m: int) -> Basis:
     x = np.concatenate([[-1.0], inner, [1.0]])
     nodes = 0.5 * (x + 1.0)
     node_weights = 1.0 / (m * (m + 1) * legendre.legval(x, top_legendre) ** 2)
-    values, slopes = np.zeros((m, m + 1)), np.zeros((m, m + 1))
-    top = np.zeros(m + 1)
-    for j in range(m + 1):
-        lagrange = _lagrange(nodes, j)
-        values[:, j] = lagrange(gauss)
-        slopes[:, j] = lagrange.deriv()(gauss)
-        top[j] = lagrange.deriv(m)(0.5)
+    values, slopes, top = _lagrange(nodes, gauss)
     defect = np.polynomial.Polynomial.fromroots(gauss).integ()
     sampled = defect(np.linspace(0.0, 1.0, 401)) - defect(0.0)
     error = float(np.max(np.abs(sampled))) / factorial(m)
@@ -80,6 +75,31 @@ def normalisation(m: int) -> Array:
     return np.asarray(1.0 / np.prod(np.where(np.eye(m + 1), 1.0, nodes[:, None] - nodes), axis=1))
 
 
-def _lagrange(nodes: Array, j: int) -> np.polynomial.Polynomial:
-    others = np.delete(nodes, j)
-    return np.polynomial.Polynomial.fromroots(others) / float(np.prod(nodes[j] - others))
+def _lagrange(nodes: Array, points: Array) -> tuple[Array, Array, Array]:
+    """What a polynomial of degree m takes from its values at the m + 1 nodes, computed exactly and rounded once.
+
+    A constant must have slope zero: what rounding leaves of it is a growth rate in every interval, of the same sign in
+    all, which grows as they get shorter (row sums of 6e-14 moved folds of cycles by 2e-13).
+
+    Returns
+    -------
+    Its values at `points` and its slopes there, each (len(points), m + 1), and its m-th derivative, (m + 1,).
+    """
+    x, m = [Fraction(node) for node in nodes.tolist()], len(nodes) - 1
+    weights = [1 / prod(x[j] - x[k] for k in range(m + 1) if k != j) for j in range(m + 1)]
+    values, slopes = np.zeros((len(points), m + 1)), np.zeros((len(points), m + 1))
+    for i, t in enumerate(Fraction(point) for point in points.tolist()):
+        for j in range(m + 1):
+            away = [t - x[k] for k in range(m + 1) if k != j]
+            values[i, j] = float(weights[j] * prod(away))
+            slopes[i, j] = float(weights[j] * sum(prod(away[:k]) * prod(away[k + 1 :]) for k in range(m)))
+        values[i] = _summing_to(1.0, values[i])
+        slopes[i] = _summing_to(0.0, slopes[i])
+    return values, slopes, _summing_to(0.0, np.array([float(factorial(m) * weight) for weight in weights]))
+
+
+def _summing_to(total: float, row: Array) -> Array:
+    """The row with its smallest entry moved by the rounding errors of all, so that its sum is the total."""
+    moved = row.copy()
+    moved[np.argmin(np.abs(row))] -= fsum([*row.tolist(), -total])
+    return moved

@@ -78,6 +78,20 @@ def test_points_of_codimension_two_are_found_beside_further_states(core):
     judged([Hidden(core, max(few, 5), "rotated", 7)]).assert_clean()
 
 
+def test_a_planted_fold_of_cycles_is_at_its_place_on_a_fine_mesh():
+    """r' = r (p + (r^2 - 1)^2): the fold at p = 0 was 3.5e-13 off on 100 intervals, twice as far as on 50."""
+    model = contin.Model(
+        "fold", states={"x": 2**0.5, "y": 0}, parameters={"p": -1.0},
+        equations={"x": "x*(p + (x^2 + y^2 - 1)^2) - 2.3*y", "y": "y*(p + (x^2 + y^2 - 1)^2) + 2.3*x"},
+    )  # fmt: skip
+    t = np.linspace(0.0, 2.0 * np.pi / 2.3, 201)
+    circle = 2**0.5 * np.column_stack([np.cos(2.3 * t), np.sin(2.3 * t)])
+    orbit = contin.periodic_orbit(model, circle, times=t)
+    family = contin.continuation(orbit, "p", (-1.0, 0.1), settings={"intervals": 100})
+    (fold,) = [point for point in family.points if point.type == "LPC"]
+    assert abs(fold.values["p"]) < 1e-14
+
+
 def long_systems(core: Planted) -> Iterable[Hidden]:
     random = np.random.default_rng(2026)
     few = len(core.equations)

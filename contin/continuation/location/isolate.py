@@ -38,6 +38,7 @@ from contin.continuation.problem import (
     is_planar,
     unverified,
 )
+from contin.linalg.vectors import norm
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
@@ -45,6 +46,7 @@ UNPLACED = 0.05  # error of a point, as a part of the range, from which a fold m
 DEPTH = 60  # halvings of one step
 HALVINGS = 600  # ... in all: where tests are rounding, every half has changes of its own
 ROUNDING = 1e-14  # a test this small on both sides of an event may be zero all along
+LEFT = "Newton on its defining system left the neighbourhood"
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
 
@@ -85,7 +87,7 @@ def isolate(
             yield from _around(stretch, (a, low, high, b), depth)
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH, beside)
-            together = list(_compound(stretch, low, high, verified.reason))
+            together = list(_compound(stretch, low, high, verified.reason, width))
             only = together[0] if len(together) == 1 else None
             if isinstance(only, Found) and (stretch.problem.adaptive or _is_plain(stretch, only, types[0])):
                 yield from _with_rest(stretch, a, b, only, depth if stretch.problem.adaptive else DEPTH, beside)
@@ -96,7 +98,7 @@ def isolate(
             yield Note(where(stretch, low, verified.reason))
         return
     if width <= COINCIDENT or depth >= DEPTH or len(stretch.halved) >= HALVINGS:
-        yield from _compound(stretch, a, b, "changes that could not be told apart")
+        yield from _compound(stretch, a, b, "changes that could not be told apart", width)
         return
     stretch.halved.append(width)
     middle: Sample | None = None
@@ -105,10 +107,10 @@ def isolate(
         if middle is not None and not np.any((middle.tests == 0.0) & (a.tests != 0.0)):  # on an event signs say nothing
             break
     if middle is None:
-        yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points")
+        yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points", width)
         return
     if stretch.problem.explain(a, middle) == () == stretch.problem.explain(middle, b):  # zero there: signs say nothing
-        yield from _compound(stretch, a, b, "changes that could not be told apart")
+        yield from _compound(stretch, a, b, "changes that could not be told apart", width)
         return
     yield from isolate(stretch, a, middle, depth + 1, beside)
     yield from isolate(stretch, middle, b, depth + 1, beside)
@@ -309,7 +311,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             slack += other
             if moved <= 0.2 * width + other + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
                 return low, high, Found(length, anchored_on_branch(verified, a), at_point(stretch, near, verified))
-            outcome = unverified(type_, "Newton on its defining system left the neighbourhood")
+            outcome = unverified(type_, LEFT)
         else:
             outcome = verified
             if isinstance(verified, Nothing):
@@ -332,14 +334,21 @@ def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> It
     yield found
 
 
-def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Found | Note]:
-    """What coincides at one place: a corner of a piecewise equation, or several smooth events."""
+def _compound(stretch: Stretch, a: Sample, b: Sample, why: str, width: float) -> Iterator[Found | Note]:
+    """What coincides at one place: a corner of a piecewise equation, or several smooth events.
+
+    width : of the part of the step that a and b were narrowed down from. A point farther away is on another part of
+        the curve, or on another curve (Newton for a fold of orbits may find one that these orbits run through twice).
+    """
+    reach = 1.2 * max([width, *stretch.halved[:1]]) + 1e-6
     corner = stretch.problem.verify_corner(a, b, stretch.frame)
     items = [corner] if corner is not None else together_between(stretch, a, b)
     if not items:
         yield Note(where(stretch, a, why), True)
     for item in items:
-        if isinstance(item, Verified):
+        if isinstance(item, Verified) and norm((item.z - a.z) / stretch.frame.scale) > reach:
+            yield Note(where(stretch, a, unverified(item.type, LEFT).reason), True)
+        elif isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
             yield Found(length, anchored_on_branch(item, stretch.base), at_point(stretch, a, item))
             if corner is None and _is_elsewhere(stretch, a, b, item, length):  # at a corner tests need not be small

@@ -15,6 +15,7 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.ends.extrapolated import Limit, extrapolated, with_next
 from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_near
+from contin.problems.orbits.march.finer_mesh import same_period_on_finer_mesh
 from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields
 
@@ -34,6 +35,8 @@ FITS = 0.1  # part of what the parameter moved that a faster rate may leave unex
 SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
 NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
 PRECISE = Settings(tolerance=1e-11)
+ROUNDING = 2e-11  # of the range: what Newton's last steps leave of a limit
+FINER = 2.0  # the finer mesh has an error of its own
 
 
 def diverged(
@@ -88,7 +91,8 @@ def diverged(
         at_limit = [s.at(problem, at, sizes) for s in saddles]
         doubt = (SWINGING if limit.spiral else 3.0) * error
         doubt += (2.0 * abs(limit.step) + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
-        return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
+        doubt += ROUNDING * width + _by_mesh(problem, origin, frame, slopes[0], limit.step)
+        return _connection(problem, origin, profile, at_limit, at, doubt)
     return None
 
 
@@ -108,6 +112,19 @@ def _error(limit: Limit, moved: float, growth: float, width: float, failed: bool
     if failed and remaining < NOISE * width:
         near, error = True, max(error, remaining)
     return error if settled or (near and first) else None
+
+
+def _by_mesh(problem: FamilyOfOrbits, origin: Sample, frame: Frame, slope: float, step: float) -> float:
+    """What the mesh's own error does to a limit that is a step away: parameter and slope dp/dT on half the lengths.
+
+    Where there is no orbit on that mesh the two differ by more than what remains between the orbit and its limit.
+    """
+    found = same_period_on_finer_mesh(problem, origin.z, frame.scale, PRECISE.tolerance)
+    if found is None:
+        return abs(step)
+    there = _slope(problem, found[0], Frame(found[1]), failed=False)
+    turned = 1.0 if np.isnan(there) or slope == 0.0 else abs(there / slope - 1.0)
+    return FINER * (abs(float(found[0].z[-1] - origin.z[-1])) + turned * abs(step))
 
 
 def _slope(problem: FamilyOfOrbits, sample: Sample, frame: Frame, failed: bool) -> float:

@@ -49,9 +49,26 @@ def set_borders(type_: str, work: Work, units: Array, further: float) -> None:
         if type_ == "NS":
             critical = monodromy @ monodromy - 2.0 * further * monodromy + one
         vectors, _, null = np.linalg.svd(critical)
+        start = null[::-1][:2]
+        if type_ == "NS":
+            start = apart(start, start @ monodromy @ start.T)
         for k in range(min(2, n)):
             own.jump[:, k] = vectors[:, -1 - k] * sizes
-            own.start[:, k] = null[-1 - k] / sizes
+            own.start[:, k] = start[k] / sizes
+
+
+def apart(plane: Array, within: Array) -> Array:
+    """The plane's two orthonormal rows turned so that the map `within` (2, 2) takes the first far away from itself.
+
+    In the plane of a pair M^2 - 2 c M + 1 = (tr M - 2 c) M + (1 - det M): what it makes of the first row v is zero for
+    no other trace and determinant only if v and M v are independent. A singular vector, whose place in the plane is
+    rounding, may be an eigenvector where the pair is real: at R1, R2 and at neutral saddles. With v = (cos a, sin a)
+    the area of v and M v is a quadratic form; its largest value is taken.
+    """
+    mixed = 0.5 * (within[1, 1] - within[0, 0])
+    values, axes = np.linalg.eigh([[within[1, 0], mixed], [mixed, -within[0, 1]]])
+    first = axes[:, np.argmax(np.abs(values))]
+    return np.asarray([[first[0], first[1]], [-first[1], first[0]]] @ plane)
 
 
 def turn(own: Any, widths: Array, across: float, along: float) -> None:
