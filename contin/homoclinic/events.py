@@ -38,6 +38,7 @@ LOST: Final = 1e-6  # rate of an unstable direction of a reversible flow, of the
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-8  # of its largest value: where the adjoint solution, which decays, has a direction
 NOT_AS_FAR: Final = 5.0  # ... times this where the error that is left there is estimated
+SAFETY: Final = 2.0  # of what a finer mesh changes, which has an error of its own
 FOLD: Final = "LP"
 JUMP: Final = 1e-4  # of a test at its zero
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
@@ -155,7 +156,7 @@ def verify(problem: CurveOfConnections, type_: str, near: Sample, frame: Frame) 
     moved = problem.discretisation(found, frame, index)
     if moved is None:
         return unverified(type_, "not found again on a mesh of half the lengths")
-    error = 10.0 * zero.error * float(frame.scale[-1]) + moved
+    error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     return Verified(_named(type_, found.eigenvalues), found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from contin.abi import Array
 from contin.continuation.branch import Parent
 from contin.continuation.departure import Seed
@@ -14,6 +16,7 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import UNBOUNDED
 
 ROUNDS = 4  # of solving, until interval and mesh fit
+ZERO = 1e-6  # of its natural width: the value of a parameter that is smaller is zero to its error, and says no width
 
 
 def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
@@ -29,6 +32,8 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
     z = curve.join(piece, ends, q)
     sizes = orbits.state_sizes(piece)
     first, second = problem.widths(z, UNBOUNDED)
+    own = natural_width(curve, z)
+    first = first if first > ZERO * own else own
     own_mesh = False  # chosen for a solution on this interval: a guess has a kink where a tail begins
     for rounds_left in range(ROUNDS - 1, -1, -1):
         profile = curve.profile(z)
@@ -50,3 +55,12 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
             chosen = choose_mesh(profile, sizes, orbits.tolerance, orbits.intervals)
             z = curve.join(profile.on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
     return Seed(problem, z, parent=parent)
+
+
+def natural_width(curve: ConnectionCurve, z: Array) -> float:
+    """The change of the first parameter that would change f by as much as it is along the connection; 0 for none."""
+    u = curve.profile(z).u
+    f, matrices = curve.orbits.system.jacobians(u, np.tile(curve.full_parameters(z), (len(u), 1)))
+    by_parameter = np.abs(matrices[:, :, curve.n + curve.first]).max(axis=0)
+    moved = by_parameter > 0.0
+    return float(np.min(np.abs(f).max(axis=0)[moved] / by_parameter[moved], initial=np.inf)) if moved.any() else 0.0

@@ -15,7 +15,6 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.ends.extrapolated import Limit, extrapolated, with_next
 from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_near
-from contin.problems.orbits.march.finer_mesh import same_period_on_finer_mesh
 from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields
 
@@ -119,10 +118,10 @@ def _by_mesh(problem: FamilyOfOrbits, origin: Sample, frame: Frame, slope: float
 
     Where there is no orbit on that mesh the two differ by more than what remains between the orbit and its limit.
     """
-    found = same_period_on_finer_mesh(problem, origin.z, frame.scale, PRECISE.tolerance)
+    found = problem.refined(origin, frame)
     if found is None:
         return abs(step)
-    there = _slope(problem, found[0], Frame(found[1]), failed=False)
+    there = _slope(problem, *found, failed=False)
     turned = 1.0 if np.isnan(there) or slope == 0.0 else abs(there / slope - 1.0)
     return FINER * (abs(float(found[0].z[-1] - origin.z[-1])) + turned * abs(step))
 

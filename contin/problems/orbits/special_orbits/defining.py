@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.problem import Frame, Sample
 from contin.machine import elementary
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
-from contin.problems.orbits.march.finer_mesh import on_finer_mesh, same_period_on_finer_mesh
+from contin.problems.orbits.march.in_kernel import corrected
+from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.special_orbits.held_parameter import HeldCurve
 
 if TYPE_CHECKING:
@@ -71,14 +73,31 @@ def flat_fold(problem: OrbitEquations, z: Array, scale: Array) -> SolvedOrbit | 
     found = same_period_on_finer_mesh(problem, z, scale)
     if found is None:
         return None
-    finer, finer_scale = found[0].z, found[1]
-    multipliers = problem.multipliers(finer)[1:]
+    multipliers = problem.multipliers(found)[1:]
     if not float(np.min(np.abs(multipliers - 1.0))) < UNRESOLVED:
         return None
     residual = float(np.max(np.abs(linear.residual)))
-    error = SAFETY * abs(float(finer[-1] - z[-1]))
-    refined = SolvedOrbit(finer, 0.0, residual, error, right, finer_scale)
+    error = SAFETY * abs(float(found[-1] - z[-1]))
+    refined = SolvedOrbit(found, 0.0, residual, error, right, on_finer_mesh(problem, z, scale)[1])
     return SolvedOrbit(z, 0.0, residual, error, right, scale, refined)
+
+
+def on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> tuple[Profile, Array]:
+    """The orbit interpolated on a mesh of half the lengths, and the metric there."""
+    profile = problem.profile(z)
+    finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
+    period = float(scale[profile.u.size])
+    return finer, make_scale(finer.h, profile.m, problem.sizes(z, scale), period, float(scale[-1]))
+
+
+def same_period_on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> Array | None:
+    """The orbit of the same period on a mesh of half the lengths."""
+    finer, finer_scale = on_finer_mesh(problem, z, scale)
+    fixed = np.zeros(finer_scale.size)
+    fixed[finer.u.size] = 1.0
+    guess = Sample(finer.vector(), fixed, np.zeros(4), 0, np.empty(0, complex))
+    found: Array | None = corrected(problem, guess, Frame(finer_scale), 1e-7)
+    return found
 
 
 def _newton(
