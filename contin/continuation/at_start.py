@@ -47,7 +47,7 @@ def _met(departure: Departure, target: Wanted, ends: tuple[Sample, Sample] | Non
         if ends is None and target.slope(stretch, start) == 0.0:  # else an arm sees the slope change its sign
             ends = _beside(stretch)
         if ends is not None and target.slope(stretch, ends[0]) * target.slope(stretch, ends[1]) < 0.0:
-            yield from between(target, stretch, *ends)
+            yield from (item for item in between(target, stretch, *ends) if isinstance(item, Found))
     elif isinstance(target, Target):
         if float(target.values(problem, start.z[None])[0]) == target.value:
             point = departure.here[0].point if departure.here else start

@@ -117,9 +117,10 @@ def resolve(
             piece = replace(piece, notes=(*piece.notes, *more), hiding=piece.hiding + untold)
     if end is None and not corner:
         end = _failure(course, chunk)
-    marked += _user_values(course, chunk, piece, frame, marked)
+    values, unplaced = _user_values(course, chunk, piece, frame, marked)
+    marked += values
     marked.sort(key=lambda row: (row.before, row.length))
-    return replace(piece, found=tuple(marked)), end
+    return replace(piece, found=tuple(marked), notes=(*piece.notes, *unplaced)), end
 
 
 @dataclass(eq=False)
@@ -301,14 +302,18 @@ def _in_steps(
     return found, notes, hiding
 
 
-def _user_values(course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]) -> list[Row]:
-    """User values that are not labelled already; they are from now on."""
-    rows = []
+def _user_values(
+    course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]
+) -> tuple[list[Row], list[str]]:
+    """User values and extrema that are not labelled already (they are from now on), and notes of those not verified."""
+    rows, notes = [], []
     for row in hits(course.targets, course.problem, chunk, piece.z, frame, course.settings, marked):
-        if not course.is_known(row.point, frame.scale):
+        if isinstance(row, Note):
+            notes.append(row.text)
+        elif not course.is_known(row.point, frame.scale):
             course.known.append(row.point)
             rows.append(row)
-    return rows
+    return rows, notes
 
 
 def _failure(course: Course, chunk: Chunk) -> End | None:

@@ -122,3 +122,18 @@ def test_a_value_that_is_taken_twice_within_one_step(depth: float):
         assert places == pytest.approx([c - depth**0.5, c + depth**0.5], abs=1e-10)
         (touched,) = _line("x - p", {"h": f"(x - {c})^2"}, (-1.0, 1.0), -1.0, -1.0, values={"h": [0.0]}).points
         assert abs(touched.values["p"] - c) <= min(touched.error, 1e-6)
+
+
+@pytest.mark.parametrize("jump", [-0.5, -2.0])
+@pytest.mark.parametrize("c", [0.3, 0.03, 0.01, 2e-3, 1e-3, 5e-4, 1e-5])
+def test_an_extremum_beside_a_corner(c: float, jump: float):
+    """x = -p^2 + jump max(0, p - c): highest at p = 0 with x'' = -2, however near the corner is; or a note."""
+    line = _line(f"x + p^2 - ({jump})*max(0, p - {c!r})", {}, (-1.0, 1.0), -1.0, -1.0, ["x"])
+    if c < 1e-4:
+        assert line.points == ()
+        assert [note for note in line.notes if note.startswith("EX not verified")]
+        return
+    (point,) = line.points
+    assert abs(point.values["p"]) <= max(point.error, 1e-11)
+    assert point.normal_form["curvature"] == pytest.approx(-2.0, rel=1e-6)
+    assert line.notes == ()

@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.location.found import Found
+from contin.continuation.location.found import Found, Note, where
 from contin.continuation.problem import Problem, Sample, Verified
 from contin.machine import elementary
 
@@ -26,9 +26,28 @@ CLEAR = 1e6  # times the scatter, beyond which that of points solved for again i
 NUDGE = 1e-9  # of the guesses from which they are: small, for another solution may be near
 SAFETY = 2.0  # of a change from one mesh to the next: the finer one has an error of its own
 FOURTH = np.array([1.0, -4.0, -4.0, 1.0, 6.0]) / 70.0  # at `SIDES` and 0, whose largest part is off a cubic there
+CLOSER = 0.03  # of the steps, to look at what is not smooth within them
+SMOOTH = 0.1  # of what the slope changes in a step: more than that off a quadratic is a corner, or errors of the column
+FALLS = 0.3  # part that is left closer by: of the scatter at a corner, of the kink where the column is smooth
+AT_CORNER = "where the curve has a corner"
+NOT_FOLLOWED = "the curve cannot be followed on both sides"
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
 # of rounding errors in succession
+
+
+@dataclass(frozen=True)
+class Look:
+    """A column next to a point, within two steps."""
+
+    bend: float  # its second derivative by arclength
+    scatter: float  # how far it is off a cubic
+    kink: float  # how far its slopes are off a quadratic: about the jump of the slope at a corner
+    step: float
+
+    @property
+    def is_smooth(self) -> bool:
+        return self.kink <= SMOOTH * abs(self.bend) * self.step
 
 
 @dataclass(frozen=True)
@@ -70,20 +89,29 @@ class Extremum:
 
     def verified(
         self, stretch: Stretch, near: Sample, width: float, ends: tuple[Sample, Sample], rising: bool
-    ) -> Found | None:
+    ) -> Found | Note | None:
         """The extremum at a zero of the slope, between two ends at which the column is on the other side.
 
-        None where the curve cannot be followed, and where the column does not stand out of its own scatter: one that
-        is constant along the curve turns nowhere, although rounding gives its slopes signs.
+        A note where the curve cannot be followed on both sides, as beside a corner. None where the column does not
+        stand out of its own scatter: one that is constant along the curve turns nowhere, although rounding gives its
+        slopes signs.
         """
         problem, scale = stretch.problem, stretch.frame.scale
-        beside = self._beside(stretch, near)
-        if beside is None:
-            return None
-        bend = _derivative([self.slope(stretch, sample) for sample in beside])
         rounding = self.rounding(problem, near.z, scale)
-        if not self._stands_out(stretch, near, beside, ends, rising, rounding):
+        look = self._look(stretch, near, STEP)
+        corner = False
+        if look is not None and not look.is_smooth:
+            closer = self._look(stretch, near, CLOSER * STEP)
+            if closer is None or closer.scatter <= FALLS * look.scatter:  # else these are errors of the column itself
+                corner = closer is not None and closer.kink > FALLS * look.kink
+                look = closer
+        if look is None:
+            return Note(where(stretch, near, f"EX not verified: {self.column} turns where {NOT_FOLLOWED}"))
+        if not self._stands_out(stretch, near, 0.0 if corner else look.scatter, ends, rising, rounding):
             return None
+        if corner:
+            return Note(where(stretch, near, f"EX not verified: {self.column} turns {AT_CORNER}"))
+        bend = look.bend
         size = float(np.abs(self.values(problem, near.z[None]))[0])
         width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
         rate = float(near.tangent[-1] * scale[-1])
@@ -111,9 +139,8 @@ class Extremum:
         return SAFETY * moved
 
     def _stands_out(
-        self, stretch: Stretch, at: Sample, beside: Sequence[Sample], ends: tuple[Sample, Sample], rising: bool,
-        rounding: float,
-    ) -> bool:  # fmt: skip
+        self, stretch: Stretch, at: Sample, scatter: float, ends: tuple[Sample, Sample], rising: bool, rounding: float
+    ) -> bool:
         """True where the column is lower (at a maximum) at the ends by more than it is uncertain at all three places.
 
         How far a point is off the curve shows where it is solved for again. Where the column falls by more than `CLEAR`
@@ -121,7 +148,7 @@ class Extremum:
         """
         value = float(self.values(stretch.problem, at.z[None])[0])
         drops = (value - self.values(stretch.problem, np.array([end.z for end in ends]))) * (1.0 if rising else -1.0)
-        scatter = self._scatter(stretch.problem, beside, at) + rounding
+        scatter += rounding
         if drops.max() <= CLEAR * scatter:
             scatter += sum(self._uncertainty(stretch, sample) for sample in (at, *ends))
         return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
@@ -148,18 +175,20 @@ class Extremum:
         values = self.values(problem, np.array([*(sample.z for sample in beside), at.z]))
         return float(np.abs(FOURTH @ (values - values[-1])) * 6.0)
 
-    def _beside(self, stretch: Stretch, at: Sample) -> list[Sample] | None:
-        """Four points of the curve next to `at`; None where it cannot be followed there."""
+    def _look(self, stretch: Stretch, at: Sample, step: float) -> Look | None:
+        """At four points of the curve next to `at`; None where it cannot be followed there."""
         samples = []
-        for side in SIDES:
+        for side in np.array(SIDES) * (step / STEP):
             guess = at.z + side * stretch.frame.scale * at.tangent
             sample = stretch.problem.probe(at, side, guess, stretch.frame, stretch.settings)
             if sample is None:
                 return None
             samples.append(sample)
-        return samples
+        slopes = [self.slope(stretch, sample) for sample in samples]
+        kink = abs(slopes[0] - 2.0 * slopes[1] + 2.0 * slopes[2] - slopes[3])
+        return Look(_derivative(slopes, step), self._scatter(stretch.problem, samples, at), kink, step)
 
 
-def _derivative(values: Sequence[float]) -> float:
-    """The five-point difference of values at `SIDES`."""
-    return float((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * STEP))
+def _derivative(values: Sequence[float], step: float) -> float:
+    """The five-point difference of values at -2, -1, 1 and 2 steps."""
+    return float((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * step))

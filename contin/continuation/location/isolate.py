@@ -87,7 +87,7 @@ def isolate(
             yield from _around(stretch, (a, low, high, b), depth)
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH, beside)
-            together = list(_compound(stretch, low, high, verified.reason, width))
+            together = list(_compound(stretch, low, high, verified.reason))
             only = together[0] if len(together) == 1 else None
             if isinstance(only, Found) and (stretch.problem.adaptive or _is_plain(stretch, only, types[0])):
                 yield from _with_rest(stretch, a, b, only, depth if stretch.problem.adaptive else DEPTH, beside)
@@ -98,7 +98,7 @@ def isolate(
             yield Note(where(stretch, low, verified.reason))
         return
     if width <= COINCIDENT or depth >= DEPTH or len(stretch.halved) >= HALVINGS:
-        yield from _compound(stretch, a, b, "changes that could not be told apart", width)
+        yield from _compound(stretch, a, b, "changes that could not be told apart")
         return
     stretch.halved.append(width)
     middle: Sample | None = None
@@ -107,10 +107,10 @@ def isolate(
         if middle is not None and not np.any((middle.tests == 0.0) & (a.tests != 0.0)):  # on an event signs say nothing
             break
     if middle is None:
-        yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points", width)
+        yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points")
         return
     if stretch.problem.explain(a, middle) == () == stretch.problem.explain(middle, b):  # zero there: signs say nothing
-        yield from _compound(stretch, a, b, "changes that could not be told apart", width)
+        yield from _compound(stretch, a, b, "changes that could not be told apart")
         return
     yield from isolate(stretch, a, middle, depth + 1, beside)
     yield from isolate(stretch, middle, b, depth + 1, beside)
@@ -334,19 +334,18 @@ def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> It
     yield found
 
 
-def _compound(stretch: Stretch, a: Sample, b: Sample, why: str, width: float) -> Iterator[Found | Note]:
+def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Found | Note]:
     """What coincides at one place: a corner of a piecewise equation, or several smooth events.
 
-    width : of the part of the step that a and b were narrowed down from. A point farther away is on another part of
-        the curve, or on another curve (Newton for a fold of orbits may find one that these orbits run through twice).
+    A point farther away than the longest step is on another part of the curve, or on another curve (Newton for a fold
+    of orbits may find one that these orbits run through twice).
     """
-    reach = 1.2 * max([width, *stretch.halved[:1]]) + 1e-6
     corner = stretch.problem.verify_corner(a, b, stretch.frame)
     items = [corner] if corner is not None else together_between(stretch, a, b)
     if not items:
         yield Note(where(stretch, a, why), True)
     for item in items:
-        if isinstance(item, Verified) and norm((item.z - a.z) / stretch.frame.scale) > reach:
+        if isinstance(item, Verified) and norm((item.z - a.z) / stretch.frame.scale) > stretch.settings.max_step:
             yield Note(where(stretch, a, unverified(item.type, LEFT).reason), True)
         elif isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))

@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import Extremum
+from contin.continuation.location.found import Note
 from contin.continuation.location.touched import touched
 from contin.continuation.location.turning import turns
 from contin.continuation.location.user_value import Sought, Target
@@ -23,7 +24,7 @@ Wanted: TypeAlias = Sought | Extremum
 def hits(
     wanted: Sequence[Wanted], problem: Problem, chunk: Chunk, z: Array, frame: Frame, settings: Settings,
     marked: Sequence[Row],
-) -> Iterator[Row]:  # fmt: skip
+) -> Iterator[Row | Note]:  # fmt: skip
     """User values crossed between consecutive points of a chunk: rows (z: without the first) and labelled points.
 
     And extrema between its rows.

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import Extremum
-from contin.continuation.location.found import Found
+from contin.continuation.location.found import Found, Note
 from contin.continuation.location.turning import between
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.segment import Row
@@ -55,6 +55,8 @@ def _met(target: Target, stretch: Stretch, a: Sample, b: Sample) -> Iterator[Fou
         return  # it does not come nearer to the value and leave it again
     previous = a
     for found in between(extremum, stretch, a, b):
+        if isinstance(found, Note):
+            continue
         beyond = float(target.values(stretch.problem, found.point.z[None])[0]) - target.value
         if abs(beyond) <= rounding:
             near, bend = found.point, abs(float(found.point.normal_form["curvature"]))

@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import STEP, Extremum
-from contin.continuation.location.found import Found
+from contin.continuation.location.found import Found, Note
 from contin.continuation.problem import Chunk, Frame, Problem, Sample
 from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
@@ -28,24 +28,27 @@ Bracket = tuple[Sample, Sample]
 
 def turns(
     extrema: Sequence[Extremum], problem: Problem, chunk: Chunk, rows: int, frame: Frame, settings: Settings
-) -> Iterator[Row]:
-    """Extrema between consecutive rows of a chunk, the first `rows` of it."""
+) -> Iterator[Row | Note]:
+    """Extrema between consecutive rows of a chunk, the first `rows` of it; notes where one could not be verified."""
     for extremum in extrema:
         for row in _suspicious(extremum, problem, chunk, rows, frame).tolist():
             a, b = chunk.sample(row), chunk.sample(row + 1)
             stretch = Stretch(problem, a, frame, settings)
             for found in between(extremum, stretch, a, b):
-                yield Row(row + 1, found.length, found.point, found.sample.tangent)
+                if isinstance(found, Note):
+                    yield found
+                else:
+                    yield Row(row + 1, found.length, found.point, found.sample.tangent)
 
 
-def between(extremum: Extremum, stretch: Stretch, a: Sample, b: Sample) -> list[Found]:
-    """All extrema between two points of the stretch, in order."""
+def between(extremum: Extremum, stretch: Stretch, a: Sample, b: Sample) -> list[Found | Note]:
+    """All extrema between two points of the stretch, in order; notes in place of those that could not be verified."""
     slopes = extremum.slope(stretch, a), extremum.slope(stretch, b)
     brackets = [(a, b)] if slopes[0] * slopes[1] <= 0.0 else _pair(extremum, stretch, (a, b), slopes)
     return [item for bracket in brackets for item in _all_of(extremum, stretch, *bracket)]
 
 
-def _all_of(extremum: Extremum, stretch: Stretch, a: Sample, b: Sample) -> list[Found]:
+def _all_of(extremum: Extremum, stretch: Stretch, a: Sample, b: Sample) -> list[Found | Note]:
     """The extrema between two points at which the slopes have different signs: one, or three and more."""
     near, width = extremum.zero(stretch, a, b)
     before = [s for s in stretch.several(near, a, NEXT) if s is not None][::-1]

@@ -121,7 +121,7 @@ def _by_mesh(problem: FamilyOfOrbits, origin: Sample, frame: Frame, slope: float
     found = problem.refined(origin, frame)
     if found is None:
         return abs(step)
-    there = _slope(problem, *found, failed=False)
+    there = _by_period(problem, found[0].tangent, *found)
     turned = 1.0 if np.isnan(there) or slope == 0.0 else abs(there / slope - 1.0)
     return FINER * (abs(float(found[0].z[-1] - origin.z[-1])) + turned * abs(step))
 
@@ -129,11 +129,15 @@ def _by_mesh(problem: FamilyOfOrbits, origin: Sample, frame: Frame, slope: float
 def _slope(problem: FamilyOfOrbits, sample: Sample, frame: Frame, failed: bool) -> float:
     """dp/dT; NaN where it is not known."""
     exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
-    tangent, position = sample.tangent if exact is None else exact.tangent, problem.period_place(sample.z)
-    if (exact is None and not failed) or tangent[position] == 0.0:
+    if exact is None and not failed:
         return np.nan
-    raw = tangent * frame.scale
-    return float(raw[-1] / raw[position])
+    return _by_period(problem, sample.tangent if exact is None else exact.tangent, sample, frame)
+
+
+def _by_period(problem: FamilyOfOrbits, tangent: Array, sample: Sample, frame: Frame) -> float:
+    """dp/dT along a tangent at a sample; NaN where the period stands still."""
+    raw, position = tangent * frame.scale, problem.period_place(sample.z)
+    return float(raw[-1] / raw[position]) if raw[position] != 0.0 else np.nan
 
 
 def _fading(slopes: Sequence[float], gained: float) -> float:
