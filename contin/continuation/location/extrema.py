@@ -98,13 +98,7 @@ class Extremum:
         """
         problem, scale = stretch.problem, stretch.frame.scale
         rounding = self.rounding(problem, near.z, scale)
-        look = self._look(stretch, near, STEP)
-        corner = False
-        if look is not None and not look.is_smooth:
-            closer = self._look(stretch, near, CLOSER * STEP)
-            if closer is None or closer.scatter <= FALLS * look.scatter:  # else these are errors of the column itself
-                corner = closer is not None and closer.kink > FALLS * look.kink
-                look = closer
+        look, corner = self._seen(stretch, near)
         if look is None:
             return Note(where(stretch, near, f"EX not verified: {self.column} turns where {NOT_FOLLOWED}"))
         if not self._stands_out(stretch, near, 0.0 if corner else look.scatter, ends, rising, rounding):
@@ -174,6 +168,16 @@ class Extremum:
         """
         values = self.values(problem, np.array([*(sample.z for sample in beside), at.z]))
         return float(np.abs(FOURTH @ (values - values[-1])) * 6.0)
+
+    def _seen(self, stretch: Stretch, at: Sample) -> tuple[Look | None, bool]:
+        """The column next to a point, closer by where it is not smooth; True at a corner that is closer still."""
+        look = self._look(stretch, at, STEP)
+        if look is None or look.is_smooth:
+            return look, False
+        closer = self._look(stretch, at, CLOSER * STEP)
+        if closer is not None and closer.scatter > FALLS * look.scatter:  # these are errors of the column itself
+            return look, False
+        return closer, closer is not None and closer.kink > FALLS * look.kink
 
     def _look(self, stretch: Stretch, at: Sample, step: float) -> Look | None:
         """At four points of the curve next to `at`; None where it cannot be followed there."""

@@ -118,12 +118,13 @@ def _by_mesh(problem: FamilyOfOrbits, origin: Sample, frame: Frame, slope: float
 
     Where there is no orbit on that mesh the two differ by more than what remains between the orbit and its limit.
     """
-    found = problem.refined(origin, frame)
-    if found is None:
+    refined = problem.refined(origin, frame)
+    there = np.nan if refined is None else _by_period(problem, refined[1].tangent, refined[1], refined[2])
+    if refined is None or np.isnan(there) or slope == 0.0:
         return abs(step)
-    there = _by_period(problem, found[0].tangent, *found)
-    turned = 1.0 if np.isnan(there) or slope == 0.0 else abs(there / slope - 1.0)
-    return FINER * (abs(float(found[0].z[-1] - origin.z[-1])) + turned * abs(step))
+    z, back = refined[1].z, origin.z[problem.period_place(origin.z)]  # at the period of the orbit
+    moved = float(z[-1] + there * (back - z[problem.period_place(z)]) - origin.z[-1])
+    return FINER * (abs(moved) + abs((there / slope - 1.0) * step))
 
 
 def _slope(problem: FamilyOfOrbits, sample: Sample, frame: Frame, failed: bool) -> float:
