@@ -19,16 +19,16 @@ from contin.diagram.diagram import Diagram
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.limits import check_count
 from contin.linalg.vectors import norm
-from contin.machine import elementary
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.records import Record
-from contin.search.deflated_newton import beside, is_new
+from contin.search.deflated_newton import LONGEST, SHORT, beside, is_new
+from contin.search.guesses import images, moved, with_window
+from contin.search.index_sums import index_between, words
 
 MOST: Final = 200  # branches
-MOVED: Final = (1e-2, 0.1, -0.1, 0.5, -0.5, 0.5)  # sizes, by which guesses are moved off what is deflated
-WAVES: Final = 5
 SAMPLES: Final = 11  # values of the parameter that are searched
+TRIES: Final = 20  # guesses with a window, without success, after which the search at a value ends
 
 
 def deflated(
@@ -38,30 +38,45 @@ def deflated(
     *,
     start: Any = None,
     parameters: Record | None = None,
-    samples: int = SAMPLES,
+    samples: int | Sequence[float] = SAMPLES,
+    tries: int = TRIES,
     most: int = MOST,
     settings: Settings | Record | None = None,
 ) -> Diagram:
     """All branches of equilibria that deflation finds at `samples` values of the parameter in `range`.
 
-    At each value, up through the range and down again, every known solution and every start of the model is a guess of
-    Newton's method, from which the known solutions are deflated. What is found is followed through the range, with
-    the branches that cross its own, and is known then. `notes` say how many solutions are known at each value, and how
-    many came from deflation there. There is no guarantee that all are found; more `samples` find more.
+    At each value, up through the range and down again, Newton's method, from which the known solutions are deflated,
+    begins at every known solution and every start of the model, moved a little, at their mirror images and negatives,
+    and at known solutions with a window of another one. What is found is followed through the range, with the branches
+    that cross its own, and is known then. `notes` say how many solutions are known at each value, how many came from
+    deflation there, and whether the sums of their indices differ, so that some are missing. There is no guarantee
+    that all are found; more `samples` and `tries` find more.
     Farrell, Birkisson and Funke, SIAM J. Sci. Comput. 37 (2015) A2026.
 
     start : the start of the first branch, or several of them, as `contin.equilibrium` takes them; also guesses.
+    samples : how many values, evenly spaced; or the values themselves, in the order in which they are searched.
+    tries : guesses with a window that may fail one after the other before the search at a value ends.
     """
-    check_count("samples", samples)
+    if isinstance(samples, int):
+        check_count("samples", samples)
+    check_count("tries", tries, 0)
     check_count("most", most)
-    search = _Search(model, parameter, range, dict(parameters or {}), most, settings)
+    search = _Search(model, parameter, range, dict(parameters or {}), tries, most, settings)
     search.begin(start)
-    values = np.linspace(*search.bounds, samples)
+    values = np.linspace(*search.bounds, samples) if isinstance(samples, int) else _within(samples, search.bounds)
     for value in values.tolist():
         search.at(value)
     for value in values[::-1].tolist():  # branches that were found later give guesses at the earlier values
         search.at(value)
     return search.result(values.tolist())
+
+
+def _within(samples: Sequence[float], bounds: tuple[float, float]) -> Array:
+    """The values as an array, all inside the bounds."""
+    values = np.asarray(samples, dtype=float)
+    if values.ndim != 1 or not len(values) or not np.all((values >= bounds[0]) & (values <= bounds[1])):
+        raise InputError(f"samples must be a number, or values of the parameter within {bounds}; got {samples!r}")
+    return values
 
 
 @dataclass
@@ -70,14 +85,17 @@ class _Search:
     parameter: str
     range: tuple[float, float] | None
     parameters: dict[str, Any]
+    tries: int
     most: int
     settings: Settings | Record | None
     branches: list[Branch] = field(default_factory=list)
     bounds: tuple[float, float] = (0.0, 1.0)
     guesses: list[Array] = field(default_factory=list)
     found: dict[float, int] = field(default_factory=dict)  # by deflation, by value
+    searched: dict[float, int] = field(default_factory=dict)  # known at a value when its search ended
     problem: Any = None
     full: bool = False
+    random: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))  # of windows
 
     def begin(self, start: Any) -> None:
         """The first branches, through the given starts."""
@@ -143,7 +161,12 @@ class _Search:
 
     def known(self, value: float) -> list[Array]:
         """The solutions (n,) of all branches at a value of the parameter, each once."""
+        return self._known_with_indices(value)[0]
+
+    def _known_with_indices(self, value: float) -> tuple[list[Array], list[int]]:
+        """... and (-1)^unstable of each, 0 where it is not known."""
         solutions: list[Array] = []
+        indices: list[int] = []
         for branch in self.branches:
             gaps = branch.z[:, -1] - value
             for k in np.flatnonzero((gaps[:-1] * gaps[1:] <= 0.0) & (gaps[:-1] != gaps[1:])):
@@ -152,37 +175,41 @@ class _Search:
                 z = branch.problem.at_parameter(guess, value, branch.problem.initial_scale(guess, self.bounds))
                 if z is not None and is_new(z[:-1], solutions, self._size([])):
                     solutions.append(z[:-1])
-        return solutions
+                    indices.append(index_between(branch.columns.get("unstable"), int(k)))
+        return solutions, indices
 
     def at(self, value: float) -> None:
         """Deflate what is known at a value until no guess leads to anything else."""
         known = self.known(value)
-        waiting = [*known, *self.guesses]
+        waiting = [] if self.searched.get(value) == len(known) else [*known, *self.guesses]
         while waiting and not self.full:
             guess = waiting.pop(0)
             size = self._size(known)
-            u = self._beside(guess, value, known, size)
+            rng = np.random.default_rng(len(known))
+            if self._found([*images(guess), *moved(guess, size, rng)], value, known, size):
+                waiting = [*known, *self.guesses]
+        failed = 0
+        while known and failed < self.tries and not self.full:
+            size = self._size(known)
+            guess = with_window(known, size, self.random)
+            failed = 0 if self._found([guess], value, known, size, SHORT) else failed + 1
+        self.searched[value] = len(known)
+
+    def _found(
+        self, guesses: Sequence[Array], value: float, known: list[Array], size: float, longest: float = LONGEST
+    ) -> bool:
+        """Whether one of the guesses leads to a new solution; its branch is followed, and `known` renewed."""
+        for guess in guesses:
+            u = beside(lambda v: self._step(v, value), guess, known, size, longest)
             if u is None:
                 continue
             self.found[value] = self.found.get(value, 0) + 1
-            seed = Seed(self.problem, np.append(u, value))
-            self._follow(seed)
+            self._follow(Seed(self.problem, np.append(u, value)))
             self.full = len(self.branches) >= self.most
             after = self.known(value)
-            if all(not is_new(u, [v], size) for v in after) or is_new(u, after, size):
-                after.append(u)
-            known = after
-            waiting = [*known, *self.guesses]
-
-    def _beside(self, guess: Array, value: float, known: list[Array], size: float) -> Array | None:
-        """A new solution from a guess, moved a little in several directions; None where none leads to one."""
-        rng = np.random.default_rng(len(known))
-        for part in MOVED:
-            moved = guess + part * size * _smooth(rng, len(guess)) / np.sqrt(len(guess))
-            u = beside(lambda v: self._step(v, value), moved, known, size)
-            if u is not None:
-                return u
-        return None
+            known[:] = after if not is_new(u, after, size) else [*after, u]
+            return True
+        return False
 
     def _step(self, u: Array, value: float) -> Array | None:
         """Newton's step at u."""
@@ -200,19 +227,14 @@ class _Search:
     def result(self, values: Sequence[float]) -> Diagram:
         """The branches, and what is known at each value in words."""
         notes = []
+        indices = {value: self._known_with_indices(value)[1] for value in values}
         for value in values:
-            count, by = len(self.known(value)), self.found.get(value, 0)
+            count, by = len(indices[value]), self.found.get(value, 0)
             came = f", {by} of them by deflation there" if by else ""
             notes.append(f"{self.parameter} = {value:.6g}: {count} solution{'s' * (count != 1)}{came}")
+        missing = words(self.parameter, indices)
+        if missing:
+            notes.append(missing)
         if self.full:
             notes.append(f"the search ended at {self.most} branches; write more in `most`")
         return Diagram(self.parameter, self.bounds, self.branches, notes)
-
-
-def _smooth(rng: np.random.Generator, n: int) -> Array:
-    """A direction that is no symmetry's: a few random waves over the numbering of unknowns, of root mean square 1."""
-    k = np.arange(1.0, n + 1.0) / (n + 1.0)
-    total = np.zeros(n)
-    for mode in np.arange(1, WAVES + 1):
-        total += rng.normal() * elementary.sin(np.pi * mode * k)
-    return np.asarray(total / max(norm(total) / np.sqrt(n), 1e-300))

@@ -20,12 +20,15 @@ FAR: Final = 30.0  # sizes: where nothing is to be found
 ACCURATE: Final = 1e-11  # of the last correction, relative to the solution's size
 SAME: Final = 1e-6  # solutions nearer than this part of their size are one
 LONGEST: Final = 4.0  # longest step, in sizes
+SHORT: Final = 0.3  # ... from a guess that is a solution in every part: longer ones leave its neighbourhood
 STUCK: Final = 1e-8  # denominators below this: the step has no direction
 
 Correction = Callable[[Array], "Array | None"]  # Newton's step at u, None where there is none
 
 
-def beside(correction: Correction, guess: Array, known: Sequence[Array], size: float) -> Array | None:
+def beside(
+    correction: Correction, guess: Array, known: Sequence[Array], size: float, longest: float = LONGEST
+) -> Array | None:
     """A solution from a guess that is none of the known ones; None where there is none within `STEPS`."""
     u = guess.copy()
     if any(norm(u - v) <= SAME * size for v in known):  # the deflation has no slope there
@@ -41,7 +44,7 @@ def beside(correction: Correction, guess: Array, known: Sequence[Array], size: f
             return None
         d = d / denominator
         length = norm(d)
-        u = u + d * min(1.0, LONGEST * size / length)
+        u = u + d * min(1.0, longest * size / length)
         if not norm(u) < FAR * size:
             return None
     return None

@@ -44,3 +44,12 @@ def test_a_model_of_formulas_and_a_limit_on_branches():
     np.testing.assert_allclose(sorted(b.columns["x"][0] ** 2 / b.columns["p"][0] for b in found), [0, 1, 1], atol=1e-9)
     limited = contin.deflated(model, "p", (0.5, 2), samples=2, most=2)
     assert "the search ended at 2 branches" in limited.notes[-1]
+
+
+def test_solutions_that_are_missing_change_the_sum_of_indices_and_are_told():
+    # x' = p x - x^3: one solution of index 1 where p < 0, indices 1 - 1 + 1 beyond
+    model = contin.load({"name": "fork", "states": {"x": 0}, "parameters": {"p": -1}, "equations": {"x": "p*x - x^3"}})
+    whole = contin.deflated(model, "p", (-1, 2), samples=[-0.5, 1.5])
+    assert not any("indices" in note for note in whole.notes)
+    cut = contin.deflated(model, "p", (-1, 2), samples=[-0.5, 1.5], most=1)
+    assert any("different sums: 1 at -0.5, -1 at 1.5" in note for note in cut.notes)

@@ -72,6 +72,27 @@ def rounding_of_fold(problem: SparseEquations, z: Array, q: Vector) -> float:
     return moved / slope if slope > 0.0 else np.inf
 
 
+def rounding_of_branch_point(problem: SparseEquations, z: Array, q: Vector, form: Fields) -> float:
+    """How much the parameter of a simple branch point moves when entries of [F_u F_p] are rounded.
+
+    There the gradient of the reduced equation, (<p, F_u q>, <p, F_u h + F_p>), vanishes. Its rounding errors e move the
+    point by the inverse of [b20 b11; b11 a02], the parameter by (b11 e_1 - b20 e_2) / discriminant.
+    """
+    b11, b20, discriminant = (abs(float(form[key])) for key in ("b11", "b20", "discriminant"))
+    if discriminant == 0.0:
+        return np.inf
+    generator = np.random.default_rng(8)
+    linear, slope = linear_at(problem, z), problem.parameter_slope(z)
+    q = normalise(q)
+    project = projector(linear, q)
+    h = -np.real(project(slope)[0])
+    worst = 0.0
+    for size, weight in ((linear.magnitude(np.abs(q)), b11), (linear.magnitude(np.abs(h)) + np.abs(slope), b20)):
+        noise = np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, len(q)))
+        worst += weight * max(abs(complex(project(size * row)[1])) for row in noise)
+    return worst / discriminant
+
+
 def state(v: Vector) -> Vector:
     """A direction in which only the states move."""
     return np.append(v, 0.0)

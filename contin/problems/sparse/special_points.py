@@ -241,6 +241,7 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     if found is None:
         return unverified("HB", "the real part of the eigenvalue has no zero nearby")
     at, left, error, slope = found
+    growth(at)  # the estimate of its error has looked at points beside it
     omega = abs(value.imag)
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame) or abs(omega - frequency) > 0.3 * frequency:
@@ -296,8 +297,10 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
             return whole
     k = int(np.argmin(np.abs(spectrum.values)))
     others = np.delete(spectrum.values, k)
-    form = forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
-    error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
+    q = np.real(spectrum.vectors[:, k])
+    form = forms.branch_point(problem, z, q)
+    rounding = forms.rounding_of_branch_point(problem, z, q, form)
+    error = 4.0 * scatter + EPSILON * abs(float(z[-1])) + 3.0 * rounding
     unstable = int(np.sum(others.real > 0.0))
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
 
