@@ -1,8 +1,8 @@
 """A necessary condition that all solutions are known: the sum of their indices does not depend on the parameter.
 
-The index of a solution of F(u) = 0 is the sign of det(-F_u), (-1)^unstable. Folds and branch points change it in pairs:
-the sum (Brouwer's degree) is the same at all values of a parameter between which no solution tends to infinity or leaves
-the domain of F.
+The index of a solution of F(u) = 0 is the sign of det(-F_u), (-1)^unstable. At folds and branch points the sum over the
+solutions that meet does not change: over all of them (Brouwer's degree) it is the same at all values of a parameter
+between which no solution tends to infinity or leaves the domain of F.
 """
 
 from __future__ import annotations
@@ -27,6 +27,6 @@ def words(parameter: str, indices: Mapping[float, Sequence[int]]) -> str | None:
         return None
     told = ", ".join(f"{total} at {value:.6g}" for value, total in sums.items())
     return (
-        f"the indices (-1)^unstable of the solutions have different sums: {told}. Some solutions are not known, or they "
-        f"tend to infinity or end between these values of {parameter}"
+        f"the indices (-1)^unstable of the solutions have different sums: {told}. Some solutions are not known, or "
+        f"they tend to infinity or end between these values of {parameter}"
     )

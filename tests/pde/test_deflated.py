@@ -4,6 +4,7 @@ import numpy as np
 
 import contin
 from contin.search.deflated_newton import beside
+from contin.search.index_sums import index_between, words
 
 
 def test_deflation_finds_the_roots_of_a_polynomial_one_after_the_other():
@@ -50,6 +51,9 @@ def test_solutions_that_are_missing_change_the_sum_of_indices_and_are_told():
     # x' = p x - x^3: one solution of index 1 where p < 0, indices 1 - 1 + 1 beyond
     model = contin.load({"name": "fork", "states": {"x": 0}, "parameters": {"p": -1}, "equations": {"x": "p*x - x^3"}})
     whole = contin.deflated(model, "p", (-1, 2), samples=[-0.5, 1.5])
-    assert not any("indices" in note for note in whole.notes)
-    cut = contin.deflated(model, "p", (-1, 2), samples=[-0.5, 1.5], most=1)
-    assert any("different sums: 1 at -0.5, -1 at 1.5" in note for note in cut.notes)
+    assert [note.split(", ")[0] for note in whole.notes] == ["p = -0.5: 1 solution", "p = 1.5: 3 solutions"]
+    told = words("p", {-0.5: [1], 1.5: [-1, 1]})  # one half of the fork
+    assert "different sums: 1 at -0.5, 0 at 1.5" in str(told)
+    assert words("p", {-0.5: [1], 1.5: [1, -1, 1]}) is None
+    assert words("p", {-0.5: [1], 1.5: [-1, 0]}) is None  # one index is not known
+    assert [index_between(np.array([2.0, 2.0, 1.0, np.nan, np.nan]), k) for k in range(4)] == [1, 0, 0, 0]
