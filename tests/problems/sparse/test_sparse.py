@@ -478,3 +478,26 @@ def test_eigenvectors_that_hardly_moved_are_followed_without_a_solve():
     exact = np.linalg.eigvalsh(matrix.toarray() + shift * np.diag(np.cos(np.arange(64))))[-3:]
     for spectrum in (found, again):
         np.testing.assert_allclose(np.sort(spectrum.values.real), exact, rtol=1e-11)
+
+
+def test_places_and_frequencies_of_skewed_sparse_systems_hold_to_rounding():
+    # u' = S (C + lam T) S^-1 u - u^3: a real mode and a pair, whose frequency changes with lam, cross at known places
+    n, place, born, w = 24, 0.31, 0.47, 1.3
+    skew = sp.csc_matrix(sp.diags_array([np.ones(n), 0.8 * np.ones(n - 1)], offsets=[0, -1]))
+    inverse = sp.csc_matrix(np.linalg.inv(skew.toarray()))
+    turning = sp.csc_matrix(([-1.0, 1.0], ([1, 2], [2, 1])), shape=(n, n))
+    decay = np.concatenate(([place, born, born], np.linspace(3.0, 40.0, n - 3)))
+    constant = (skew @ (w * turning - sp.diags_array(decay)) @ inverse).tocsc()
+    slope = (skew @ (sp.identity(n) + 2.0 * turning) @ inverse).tocsc()
+    problem = contin.FunctionProblem(
+        lambda u, p: constant @ u + p["lam"] * (slope @ u) - u**3, np.zeros(n), {"lam": 0.0},
+        lambda u, p: (constant + p["lam"] * slope - sp.diags_array(3.0 * u**2)).tocsc(),
+    )  # fmt: skip
+    branch = contin.continuation(problem, "lam", (0, 0.6))
+    crossing, hopf = branch.points
+    assert (crossing.type, hopf.type) == ("BP", "HB")
+    entries = 1e-16 * np.linalg.cond(skew.toarray()) * 40.0  # what forming the matrix leaves
+    assert abs(crossing.values["lam"] - place) <= crossing.error + entries
+    assert abs(hopf.values["lam"] - born) <= hopf.error + entries
+    assert abs(hopf.normal_form["omega"] - (w + 2.0 * born)) <= 2.0 * (hopf.error + entries)
+    assert max(crossing.error, hopf.error) < 1e-11
