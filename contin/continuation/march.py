@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol, runtime_checkable
+from functools import cache
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,13 +69,18 @@ class Linearisation(Protocol):
         """M x = right, (n + 1,)."""
 
 
-@runtime_checkable
 class Judged(Protocol):
     """A linearisation that knows how well the equations are met where it was made."""
 
     @property
     def met(self) -> bool:
         """True where what is left of every equation is small beside its linear terms."""
+
+
+@cache
+def _is_judged(kind: type) -> bool:
+    """Whether linearisations of a class are `Judged`; asked once a class, for it takes as long as a small solve."""
+    return any("met" in base.__dict__ for base in kind.__mro__)
 
 
 class Correctable(Protocol):
@@ -144,7 +150,7 @@ def correct(
         first = size if first == 0.0 else first
         ratio = size / size_before
         left = size * ratio if chord else size * ratio * ratio
-        met = not isinstance(now, Judged) or now.met
+        met = not _is_judged(type(now)) or cast(Judged, now).met
         done = size <= tolerance and (met or not once_more or iteration == NEWTON_LIMIT)
         done = done or (met and size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
         if not done and compare and ratio > 0.5:

@@ -28,7 +28,10 @@ class Balanced:
     inner: Factor
     rows: Array
     columns: Array
-    sign: float
+
+    @property
+    def sign(self) -> float:
+        return self.inner.sign
 
     @classmethod
     def of(cls, matrix: csc_matrix, factoriser: Factoriser) -> Balanced:
@@ -48,8 +51,7 @@ class Balanced:
                 break
         scaled = matrix.copy()
         scaled.data = matrix.data * rows[matrix.indices] * columns[place]
-        factor = factoriser.factor(scaled)
-        return cls(factor, rows, columns, factor.sign)
+        return cls(factoriser.factor(scaled), rows, columns)
 
     def solve(self, right: Vector) -> Vector:
         return np.asarray(self.columns * self.inner.solve(self.rows * right))

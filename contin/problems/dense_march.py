@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -30,27 +29,25 @@ class DenseLinearisation:
 
     def solve(self, right: Array) -> Array:
         """M x = right."""
-        from scipy.linalg import lu_solve
+        from scipy.linalg import lapack
 
-        return np.asarray(lu_solve(self.factors, right, check_finite=False))
+        return np.asarray(lapack.dgetrs(*self.factors, right)[0])
 
 
 def dense_linearisation(
     f: Array, jacobian: Array, tangent: Array, scale: Array, z: Array | None = None
 ) -> DenseLinearisation | None:
     """F and J (unscaled) at z with the border row `tangent`, factored; None where they are not finite."""
-    from scipy.linalg import LinAlgWarning, lu_factor
+    from scipy.linalg import lapack
 
     d = scale[:-1]
     matrix = np.vstack([jacobian * scale / d[:, None], tangent])
     if not (np.all(np.isfinite(f)) and np.all(np.isfinite(matrix))):
         return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", LinAlgWarning)
-        lu, pivots = lu_factor(matrix, check_finite=False)
+    lu, pivots, _ = lapack.dgetrf(matrix)
     diagonal = np.diagonal(lu)
-    exchanges = int(np.sum(pivots != np.arange(len(pivots))))
-    sign = float(np.prod(np.sign(diagonal))) * (-1.0) ** exchanges
+    changes = np.count_nonzero(pivots != np.arange(len(pivots))) + np.count_nonzero(diagonal < 0.0)
+    sign = 0.0 if not np.all(diagonal) else -1.0 if changes % 2 else 1.0
     logarithm = float(np.sum(elementary.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
     met = z is None or bool(np.all(np.abs(f) <= MET * (np.abs(jacobian) @ np.abs(z))))
     return DenseLinearisation(f / d, (lu, pivots), sign, logarithm, met)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from cmath import isfinite
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
@@ -146,6 +147,12 @@ def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Ar
     """
     if len(values) == problem.n and not is_suspect(values, problem.is_map):
         return False
+    return _is_neutral_at(problem, z.tobytes(), scale.tobytes())
+
+
+@lru_cache(maxsize=8)  # asked again for every point that is solved for from z
+def _is_neutral_at(problem: DenseInOneParameter, at: bytes, metric: bytes) -> bool:
+    z, scale = np.frombuffer(at), np.frombuffer(metric)
     values, _ = spectrum(problem.linear_part(z))
     if not is_suspect(values, problem.is_map):
         return False

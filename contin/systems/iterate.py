@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -228,19 +229,21 @@ def _after(matrix: Vector, slope: Array) -> Vector:
     return result
 
 
+@cache
 def _subsets(count: int) -> list[tuple[int, ...]]:
     """Non-empty subsets of 0 .. count - 1, the whole set included."""
     return [tuple(i for i in range(count) if mask >> i & 1) for mask in range(1, 1 << count)]
 
 
-def _partitions(items: Sequence[int]) -> Iterator[list[tuple[int, ...]]]:
+@cache
+def _partitions(items: tuple[int, ...]) -> list[list[tuple[int, ...]]]:
     """All partitions into blocks, each block in ascending order."""
     if not items:
-        yield []
-        return
+        return [[]]
     first, rest = items[0], items[1:]
+    found = []
     for mask in range(1 << len(rest)):
         block = (first, *(r for i, r in enumerate(rest) if mask >> i & 1))
-        others = [r for i, r in enumerate(rest) if not mask >> i & 1]
-        for tail in _partitions(others):
-            yield [block, *tail]
+        others = tuple(r for i, r in enumerate(rest) if not mask >> i & 1)
+        found += [[block, *tail] for tail in _partitions(others)]
+    return found

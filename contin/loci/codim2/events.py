@@ -34,6 +34,7 @@ UNLABELLED: Final[Mapping[str, Mapping[str, int]]] = {  # events that are no spe
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
 WITH_POLES = ("GH", "CH", "GPD")  # coefficients, which have poles where a further eigenvalue is critical
+CROSSINGS = (("ZH", "HB"), ("LPPD", "PD"), ("LPNS", "NS"))  # where curves of one type cross, if nothing unfolds them
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
 JUMPING = 1e-6  # scaled distance of two points between which a test jumps, or passes through zero more steeply than any
@@ -103,7 +104,7 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
     function = function_of(problem, type_, near)
     if isinstance(function, Rejected):
         return unverified(type_, function.reason)
-    if type_ == "ZH" and problem.locus == "HB" and zero_hopf_crossing.is_forced(problem, near.z, frame.scale):
+    if (type_, problem.locus) in CROSSINGS and zero_hopf_crossing.is_forced(problem, near.z, frame.scale):
         met = zero_hopf_crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
             point = _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
@@ -215,11 +216,11 @@ def verify_compound(problem: CurveOfPoints, a: Sample, b: Sample, frame: Frame) 
         changing = [i for i in events if i in changing or i in at_end]
     found: list[Outcome] = []
     for type_ in (events[i][0] for i in changing):
-        if type_ == "GH" and any(_is_crossing(item) for item in found):
-            continue  # l1 has no pole there, and did not change its sign: the test counts with one
+        if type_ in ("GH", "GPD") and any(_is_crossing(item) for item in found):
+            continue  # l1 (c) has no pole there, and did not change its sign: the test counts with one
         found.append(verify(problem, type_, a, frame))
     return found
 
 
 def _is_crossing(item: Outcome) -> bool:
-    return isinstance(item, Verified) and bool(item.vectors.get("plane"))
+    return isinstance(item, Verified) and bool(item.vectors.get("plane") or item.vectors.get("crossed"))

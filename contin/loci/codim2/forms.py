@@ -21,6 +21,7 @@ from contin.normalforms.rounding import apart, rounding_errors
 from contin.normalforms.sources import compiled_jet
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.records import Fields
+from contin.special.table import table
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -53,6 +54,8 @@ def described(
         frequency = float(elementary.angle(next(v for v in critical if v.imag > 0.0)))
     active = (problem.curve.first,) if point.type == "DP" else ()
     vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {})
+    if not table()[point.type].normal_form and point.type != "DP":
+        return replace(point, vectors=vectors)
     try:
         if point.type == "DP":
             form = branching_form(problem, point.z)

@@ -1,5 +1,7 @@
 """Zero-Hopf points at which two Hopf curves cross: on an invariant plane, or where a reflection is broken.
 
+Of maps, likewise, multiplier 1 on curves of period doublings and Neimark-Sacker points (F_u - I in place of F_u).
+
 There F_p is orthogonal to the left null vector psi of F_u in both parameters, as at a branch point: w0' = w0 (...). The
 equations of each Hopf curve are singular (two tangents), and so is a Newton step on them and a vanishing eigenvalue.
 Two more conditions, psi . F_p = 0, make them regular: more equations than there are unknowns, with a solution all the
@@ -125,8 +127,10 @@ def _zeros(form: Array) -> list[Array]:
 
 
 def _matrix(problem: CurveOfPoints, z: Array) -> Array:
+    """f_u, or of a map f_u - I, scaled."""
     d = problem.curve.sizes
-    return np.asarray(problem.curve.matrix(z) * d / d[:, None])
+    matrix = np.asarray(problem.curve.matrix(z) * d / d[:, None])
+    return matrix - np.eye(problem.n) if problem.system.kind == "map" else matrix
 
 
 def _left(problem: CurveOfPoints, z: Array) -> Array:

@@ -110,17 +110,16 @@ class CycleProblem(OfFixedPoints):
         """F (k n,) = (f(x_k) - x_1, f(x_1) - x_2, ...) and its Jacobian (k n, k n + 1), unscaled."""
         n, k = self.n, self.period
         p = self.inner.full_parameters(z)
-        f = np.empty((k, n))
-        jacobian = np.zeros((k, n, k * n + 1))
         points = z[:-1].reshape(k, n)
         values, matrices = self.system.base.jacobians(points, np.broadcast_to(p, (k, len(p))))
-        for j, matrix in enumerate(matrices):
-            row = (j + 1) % k
-            f[row] = values[j] - points[row]
-            jacobian[row][:, j * n : (j + 1) * n] = matrix[:, :n]
-            jacobian[row][:, row * n : (row + 1) * n] -= np.eye(n)
-            jacobian[row][:, -1] = matrix[:, n + self.active]
-        return f.ravel(), jacobian.reshape(k * n, k * n + 1)
+        here = np.arange(k)
+        row = (here + 1) % k
+        f, blocks, slopes = np.empty((k, n)), np.zeros((k, n, k, n)), np.empty((k, n))
+        f[row], slopes[row] = values - points[row], matrices[:, :, n + self.active]
+        blocks[row, :, here] = matrices[:, :, :n]
+        jacobian = np.column_stack([blocks.reshape(k * n, k * n), slopes.ravel()])
+        jacobian[np.arange(k * n), np.arange(k * n)] -= 1.0
+        return f.ravel(), jacobian
 
     def linear_part(self, z: Array) -> Array:
         """The product of the map's Jacobians around the cycle, whose eigenvalues are the multipliers."""

@@ -123,3 +123,20 @@ def test_z2_symmetric_bt_on_a_curve_of_pitchforks_through_which_they_stay_regula
     assert (point.type, point.values["al"]) == ("BT", pytest.approx(14.0, abs=1e-10))
     assert point.normal_form["kind"] == "Z2-symmetric"
     assert curve.notes == ()
+
+
+@pytest.mark.parametrize("death", [0.1, 0.3])
+def test_doublings_on_an_invariant_line_meet_the_multiplier_across_it(death):
+    """Maynard Smith's predators and prey (AUTO's dd2): on u2 = 0, doublings at p1 = 3, invaded at p2 = 3 p3/2."""
+    model = contin.Model(
+        "predators", kind="map", states={"u1": 2 / 3, "u2": {"value": 0, "scale": 1}},
+        parameters={"p1": 3.1, "p2": death, "p3": death},
+        equations={"u1": "p1*u1*(1 - u1) - p2*u1*u2", "u2": "(1 - p3)*u2 + p2*u1*u2"},
+    )  # fmt: skip
+    states = contin.continuation(contin.equilibrium(model), "p1", (2.5, 3.5))
+    curve = follow(states["PD1"], ("p1", "p2"), {"p1": (2.5, 3.5), "p2": (0, 1)})
+    (met,) = curve.points
+    assert met.type == "LPPD"
+    assert abs(met.values["p2"] - 1.5 * death) <= met.error < 1e-8
+    assert met.values["p1"] == pytest.approx(3.0, abs=1e-12)
+    assert curve.unexplained == 0
