@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.problem import Frame, Outcome, Problem, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NoSolutionError
 from contin.homoclinic import events
@@ -138,16 +138,24 @@ class ConnectionProblem(CurveOfConnections):
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)
 
-    def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
-        """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        """On a longer interval, with a mesh of half the lengths."""
+        return self._refined(sample, frame)
+
+    def _refined(self, sample: Sample, frame: Frame) -> tuple[Self, Sample, Frame] | None:
         curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)), doubting=True)
-        sizes = self.sizes(found.z, frame.scale)
-        z = fitted(curve, found.z, sizes, farther(curve))
+        sizes = self.sizes(sample.z, frame.scale)
+        z = fitted(curve, sample.z, sizes, farther(curve))
         h = np.repeat(0.5 * curve.profile(z).h, 2)
         scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
         finer = replace(self, curve=curve, _last={})
-        start = finer._on_interval(z, found, scale, h, Settings())
-        again = None if start is None else zero_of_test(finer, start.origin, Frame(scale), index)
+        start = finer._on_interval(z, sample, scale, h, Settings())
+        return None if start is None else (finer, start.origin, Frame(scale))
+
+    def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
+        """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
+        refined = self._refined(found, frame)
+        again = None if refined is None else zero_of_test(*refined, index)
         return None if again is None else float(np.max(np.abs(again.sample.z[-2:] - found.z[-2:])))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:

@@ -147,7 +147,7 @@ def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Ar
     """
     if len(values) == problem.n and not is_suspect(values, problem.is_map):
         return False
-    return _is_neutral_at(problem, z.tobytes(), scale.tobytes())
+    return _is_neutral_at(problem, z.tobytes(), scale.tobytes())  # type: ignore[arg-type]  # (problems are told by identity)
 
 
 @lru_cache(maxsize=8)  # asked again for every point that is solved for from z

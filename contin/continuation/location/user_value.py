@@ -60,24 +60,28 @@ class Target:
             else:
                 z = near.z.copy()
                 z[-1] = self.value
-        error = 0.0
-        if self.column != problem.parameters[0]:
-            error = distance * float(frame.scale[-1]) + moved_by_mesh(stretch, near, self.column, self.value)
+        error, exact = 0.0, self.column == problem.parameters[0]
+        if not exact or len(problem.parameters) > 1:
+            error = moved_by_mesh(stretch, near, self.column, self.value)
+        if not exact:
+            error += distance * float(frame.scale[-1])
         point = Verified("UZ", z, abs(value(replace(near, z=z))), error, near.eigenvalues, near.unstable)
         return Found(stretch.length_of(near), point, near)
 
 
 def moved_by_mesh(stretch: Stretch, near: Sample, column: str, value: float) -> float:
-    """How far the parameter moves on a finer mesh where a column has its value; 0 where nothing is discretised."""
+    """How far the parameters move on a finer mesh where a column has its value; 0 where nothing is discretised."""
     refined = stretch.problem.refined(near, stretch.frame)
     if refined is None:
         return 0.0
     problem, sample, frame = refined
+    places = [-1, -2] if len(problem.parameters) > 1 else [-1]
     extremum = Extremum(column)
     off = float(extremum.values(problem, sample.z[None])[0]) - value
     slope = float(extremum.slopes(problem, sample.z[None], sample.tangent[None], frame.scale)[0])
-    ahead = -off / slope * float(sample.tangent[-1] * frame.scale[-1]) if slope != 0.0 else 0.0
-    return SAFETY * abs(float(sample.z[-1] - near.z[-1]) + ahead)
+    ahead = -off / slope if slope != 0.0 else 0.0
+    moved = sample.z[places] - near.z[places] + ahead * (sample.tangent * frame.scale)[places]
+    return SAFETY * float(np.abs(moved).max())
 
 
 def zero_between(stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Sample], float]) -> tuple[Sample, float]:
