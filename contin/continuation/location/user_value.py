@@ -75,13 +75,20 @@ def moved_by_mesh(stretch: Stretch, near: Sample, column: str, value: float) -> 
     if refined is None:
         return 0.0
     problem, sample, frame = refined
-    places = [-1, -2] if len(problem.parameters) > 1 else [-1]
-    extremum = Extremum(column)
-    off = float(extremum.values(problem, sample.z[None])[0]) - value
-    slope = float(extremum.slopes(problem, sample.z[None], sample.tangent[None], frame.scale)[0])
+
+    def change(column: str, before: float) -> tuple[float, float]:
+        """Of a column from the value before to the finer mesh, and its slope there along the curve."""
+        extremum = Extremum(column)
+        slope = float(extremum.slopes(problem, sample.z[None], sample.tangent[None], frame.scale)[0])
+        return float(Target(column, before).values(problem, sample.z[None])[0]) - before, slope
+
+    off, slope = change(column, value)
     ahead = -off / slope if slope != 0.0 else 0.0
-    moved = sample.z[places] - near.z[places] + ahead * (sample.tangent * frame.scale)[places]
-    return SAFETY * float(np.abs(moved).max())
+    moved = []
+    for name in stretch.problem.parameters:
+        by, rate = change(name, float(Target(name, 0.0).values(stretch.problem, near.z[None])[0]))
+        moved.append(abs(by + ahead * rate))
+    return SAFETY * max(moved)
 
 
 def zero_between(stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Sample], float]) -> tuple[Sample, float]:
