@@ -130,6 +130,8 @@ class _Trajectories:
     def follow(self, u: Array) -> None:
         """Let a trajectory settle; raises ContinError where it escapes."""
         system = self.problem.system
+        if not np.all(np.isfinite(system.jacobian(u, self.p)[1])):
+            return  # no trajectory starts where the equations have no values or no derivatives
         scale = time_scale(system, u, self.p)
         size = self._size(u)
         end = integrate(system, u, self.p, TRANSIENT * scale, rtol=FAIR, atol=SMALLER * FAIR * size, budget=STEPS).end
@@ -252,7 +254,10 @@ def _pushed(problem: EquilibriumProblem, states: Sequence[State], value: float) 
     for state in states:
         if state.orbit is not None or state.unstable == 0:
             continue
-        values, vectors = np.linalg.eig(problem.linear_part(np.append(state.vector, value)))
+        matrix = problem.linear_part(np.append(state.vector, value))
+        if not np.all(np.isfinite(matrix)):  # rest where the equations have no derivatives: no direction is known
+            continue
+        values, vectors = np.linalg.eig(matrix)
         k = int(np.argmax(values.real))
         q = np.real(vectors[:, k])
         size = max(length(state.vector, sizes), LEAST)
@@ -271,8 +276,14 @@ def _scattered(problem: Any, states: Sequence[State], value: float) -> list[Arra
     room = np.maximum(high - low, 0.5 * np.maximum(np.abs(low), np.abs(high)))
     sizes = sizes_among(problem, [points], value)
     room = np.where(room > ZERO * sizes, room, sizes)
-    anywhere = np.random.default_rng(7).uniform(low - room, high + room, (SCATTERED, len(low)))
-    return [*anywhere, *(SMALL * anywhere)]
+    generator = np.random.default_rng(7)
+    anywhere = generator.uniform(low - room, high + room, (SCATTERED, len(low)))
+    scattered = np.concatenate([anywhere, SMALL * anywhere])
+    between = generator.uniform(low, high, scattered.shape)
+    p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
+    # beside the known states there may be no states at all, as where powers of negative numbers are taken
+    usable = [bool(np.all(np.isfinite(problem.system.value(u, p)))) for u in scattered]
+    return list(np.where(np.array(usable)[:, None], scattered, between))
 
 
 def within_basins(problem: EquilibriumProblem, states: Sequence[State], value: float) -> list[Array]:

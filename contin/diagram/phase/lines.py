@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -39,10 +40,34 @@ def polylines(loci: Sequence[Branch], box: Box) -> tuple[list[Array], list[int]]
                 line = np.clip(_cubic(points[piece], slopes[0][piece[:-1]], slopes[1][piece[:-1]]), 0.0, 1.0)
                 if is_orbital(branch):
                     line = thinned(line)
-                lines.append(np.vstack([*_birthplace(branch, loci, box), line]) if piece[0] == 0 else line)
-                owners.append(number)
-                loose.append((lost[0] or piece[0] > 0, lost[1] or piece[-1] < len(points) - 1))
+                parts = _split_at_tips(np.vstack([*_birthplace(branch, loci, box), line]) if piece[0] == 0 else line)
+                first, last = lost[0] or piece[0] > 0, lost[1] or piece[-1] < len(points) - 1
+                for k, part in enumerate(parts):
+                    lines.append(part)
+                    owners.append(number)
+                    loose.append((first or k > 0, last or k < len(parts) - 1))
     return _closed_gaps(lines, owners, loose, loci, box), owners
+
+
+def _split_at_tips(line: Array) -> list[Array]:
+    """The polyline cut where it turns back onto itself.
+
+    In the plane, a curve of states that a symmetry maps onto each other (declared or not) ends where they meet, at a
+    point of a curve of branch points, and comes back the way it went: in between two rows, as a rule, so that it does
+    not touch what it ends at.
+    """
+    way = np.diff(line, axis=0)
+    back = np.flatnonzero(np.sum(way[1:] * way[:-1], axis=1) < 0.0) + 1
+    tips = [int(k) for k in back if _is_retraced(line, int(k))]
+    return [line[a : b + 1] for a, b in pairwise([0, *tips, len(line) - 1]) if b > a]
+
+
+def _is_retraced(line: Array, k: int) -> bool:
+    """True where the polyline's ways from vertex k, both ways, are one as far as the shorter of their segments goes."""
+    before, after = line[k - 1] - line[k], line[k + 1] - line[k]
+    short, long = sorted((before, after), key=lambda way: float(way @ way))
+    aside = abs(float(short[0] * long[1] - short[1] * long[0])) / max(float(np.linalg.norm(long)), 1e-300)
+    return aside <= THIN
 
 
 def _birthplace(branch: Branch, loci: Sequence[Branch], box: Box) -> list[Array]:

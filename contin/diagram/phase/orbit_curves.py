@@ -11,8 +11,10 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
+from contin.diagram.sizes import PLAIN
 from contin.problems.symmetry import every_symmetry
 from contin.problems.symmetry_group import moved
+from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
     from contin.problems.orbits.mesh.layout import Profile
@@ -64,14 +66,23 @@ def _marks(problem: TwoParameterProblem, columns: Any) -> Array:
     return np.column_stack([columns.get("period", np.ones_like(extents[0])), extents.T])
 
 
-def _scale(problem: TwoParameterProblem, extents: Array) -> Array:
+def _scale(branch: Branch, extents: Array) -> Array:
     """Sizes of the states (n,) along a curve from their extents (rows, n); alike for states that symmetries exchange.
 
-    An orbit and its image then have one length.
+    An orbit and its image then have one length. The extent of a state that rests on all orbits is rounding, and no
+    size: the natural metric tells.
     """
+    problem: Any = branch.problem
     system = problem.system
     sizes = extents.max(axis=0)
     p = np.array(problem.curve.base, dtype=float)
+    plain = sizes > PLAIN * sizes.max()
+    if not plain.all():
+        own = list(system.parameter_names)
+        p[[own.index(name) for name in problem.parameters]] = branch.z[0, [-1, -2]]
+        middle = np.array([branch.columns[f"{s}.max"][0] + branch.columns[f"{s}.min"][0] for s in system.state_names])
+        seen = np.where(plain, sizes, 0.0)
+        sizes = np.maximum(sizes, natural_metric(system, 0.5 * middle, p[: system.m], seen).states)
     origin = np.zeros((1, len(sizes)))
     images = [moved(system, w, np.diag(sizes), p) - moved(system, w, origin, p) for w in every_symmetry(problem)]
     largest = np.max([sizes, *(np.abs(image).max(axis=0) for image in images)], axis=0)
@@ -88,7 +99,7 @@ def _passes(branch: Branch, place: Array, marks: Array, box: Box) -> bool:
     rows = unit(branch.z[:, [-1, -2]], box)
     fine = smooth_rows(branch, rows, box)
     of_states = _marks(branch.problem, branch.columns)
-    scale = _scale(branch.problem, of_states[:, 1:])
+    scale = _scale(branch, of_states[:, 1:])
     own, marks = _lengths(of_states, scale), _lengths(marks[None], scale)[0]
     typical = np.array([0.0, float(own[:, 1].max())])  # the extent vanishes where the curve was born
     along = np.linspace(0.0, len(rows) - 1.0, len(fine))

@@ -146,3 +146,44 @@ def test_regions_beside_a_symmetric_bogdanov_takens_point():
     assert area[0, 3, 1] == pytest.approx(0.125, abs=2e-3)
     assert area[2, 3, 1] == pytest.approx((1 - 0.752) / 8, abs=2e-3)
     assert area[2, 3, 0] == pytest.approx((2 + 0.752) / 8, abs=2e-3)
+
+
+@pytest.mark.parametrize("declared", [False, True])
+def test_a_hopf_curve_that_turns_back_onto_itself_at_a_symmetric_point_bounds_regions(declared):
+    """x' = y, y' = m x + n y - x^3 - x^2 y: Hopf points of (+-sqrt m, 0) on m = n > 0, followed from one to the other.
+
+    In the plane the curve comes back the way it went, at Bogdanov-Takens' point in between two rows. It cuts the box:
+    no equilibrium is stable in n > max(m, 0), and the outer cycle is (Guckenheimer and Holmes 1983, section 7.3).
+    """
+    half_turn = {"half-turn": {"x": "-x", "y": "-y"}} if declared else {}
+    equations = {"x": "y", "y": "m*x + n*y - x^3 - x^2*y"}
+    form = model(equations, {"x": 0.1, "y": 0.0}, {"m": -0.5, "n": 0.2}, symmetries=half_turn)
+    diagram = contin.phase(form, ("m", "n"), {"m": (-1.0, 1.0), "n": (-1.0, 1.0)})
+    restless = [r for r in diagram.regions if (r.stable, r.stable_orbits) == (0, 1)]
+    areas = {r.total: r.area for r in restless}
+    assert areas == {1: pytest.approx(1 / 4, rel=1e-6), 3: pytest.approx(1 / 8, rel=1e-6)}
+    for m, n, stable, cycles in ((0.7, 0.65, 2, 1), (0.7, 0.75, 0, 1), (0.7, 0.5, 2, 0)):
+        region = diagram.region_at({"m": m, "n": n})
+        assert (region.stable, region.stable_orbits) == (stable, cycles)
+
+
+def test_a_curve_of_planar_orbits_in_space_is_known_again():
+    """z' = m - z^2 - x^2 - y^2 - z^3/5, w' = (z - r + 2i) w: cycles |w|^2 = m - r^2 - r^3/5 on z = r, torus at r = 0.
+
+    z rests on all orbits: what is left of its extent is rounding, and is no mark of an orbit.
+    """
+    equations = {"x": "(z - r)*x - 2*y", "y": "2*x + (z - r)*y", "z": "m - z^2 - x^2 - y^2 - 0.2*z^3"}
+    form = model(equations, {"x": 0.01, "y": 0.0, "z": 0.3}, {"m": 0.2, "r": 0.1})
+    diagram = contin.phase(form, ("m", "r"), {"m": (-0.2, 0.8), "r": (-0.8, 0.8)})
+    assert [b.locus for b in diagram.loci].count("NS") == 1
+
+
+def test_trajectories_start_where_the_equations_have_values():
+    """u' = a/(1 + v^n) - u and v' likewise have no values for negative states; P/N has none at N = 0."""
+    toggle = model({"u": "a/(1 + v^n) - u", "v": "a/(1 + u^n) - v"}, {"u": 3.0, "v": 0.1}, {"a": 4.0, "n": 2.0})
+    hunters = {"N": "N*(1 - N) - P*N/(0.1 + N)", "P": "s*P*(1 - h*P/N)"}
+    ratio = model(hunters, {"N": 0.3, "P": 0.3}, {"s": 0.1, "h": 0.8})
+    for form, box in ((toggle, {"a": (0.5, 6.0), "n": (1.0, 4.0)}), (ratio, {"s": (0.01, 0.4), "h": (0.6, 1.6)})):
+        diagram = contin.phase(form, tuple(box), box)
+        assert not diagram.notes
+        assert not diagram.check.disagreed
