@@ -98,9 +98,11 @@ class Departure:
             where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
         passed = walls_passed(problem, origin.z, self.bounds)
-        if passed and not seed.born:  # as at a fold on the bound that turns away from the range
+        if passed:  # as at a fold on the bound that turns away from the range
             _, value, name = passed[0]
             text = f"{name} starts on its bound {value:.10g}, and the branch turns there"
+            if seed.born:
+                text = f"{name} reaches its bound {value:.10g} where the branch cannot be told from its start yet"
             return End("bound", text, {"value": value})
         wanted: tuple[Wanted, ...] = (*targets, *own_tests(problem))
         course = Course(
@@ -120,7 +122,7 @@ class Departure:
         return None if found is None else _oriented(found, sense)
 
     def _origin(self, sense: int) -> Sample | None:
-        return _origin(self.seed, self.start, sense, self.scale, self.settings, self.here)
+        return _origin(self.seed, self.start, sense, self.scale, self.settings, self.here, self.bounds)
 
 
 def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Departure:
@@ -241,8 +243,9 @@ def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float])
 
 
 def _origin(
-    seed: Seed, start: Sample, sense: int, scale: Array, settings: Settings, here: list[Found]
-) -> Sample | None:
+    seed: Seed, start: Sample, sense: int, scale: Array, settings: Settings, here: list[Found],
+    bounds: tuple[float, float],
+) -> Sample | None:  # fmt: skip
     """The sample an arm marches from: the start itself, or a point just off it where it is special."""
     problem, frame = seed.problem, Frame(scale)
     oriented = _oriented(start, sense)
@@ -266,16 +269,19 @@ def _origin(
         ahead = float(offset @ oriented.tangent) > 0.9 * float(np.linalg.norm(offset))
         return found if ahead and found.tangent @ oriented.tangent > 0.8 else None
 
-    accepted = None
+    accepted = outside = None
     first = settings.first_step if seed.reach is None else 10.0 * seed.reach
     for size in first * elementary.pow(10.0, -np.arange(1.0, 5.5, 0.5)):
         found = beside(size)
         if found is None:
             continue
+        if walls_passed(problem, found.z, bounds):
+            outside = found
+            continue
         if accepted is not None and _alike(accepted, found):
             return accepted  # nothing happens between the start and this point
         accepted = found
-    return accepted
+    return accepted or outside
 
 
 def _alike(a: Sample, b: Sample) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -50,5 +51,5 @@ def figure(sources: Sequence[Source], *, title: str | None = None, axes: Sequenc
             ax.set_box_aspect(None, zoom=0.85)
         drawing.legend(loc="outside lower right", ncols=3, frameon=False)
         if title:
-            drawing.suptitle(title, fontsize=10)
+            drawing.suptitle("\n".join(textwrap.wrap(title, int(12.0 * drawing.get_figwidth()))), fontsize=10)
     return drawing

@@ -36,6 +36,7 @@ NAMED: Final = 1e-3  # a region with less of the box is not named
 LETTER, CODE = 9.0, 7.5  # points: sizes of the names of regions and of special points
 KEYS: Final = 22  # lines that explain letters, at most
 WIDTH: Final = 30  # characters of such a line
+TITLE: Final = 9.5  # characters of the title on an inch of the picture, beside what explains the letters
 HEIGHT, MARGIN = 5.0, 0.15  # inches: of the picture, more where the explanations need it, and around these
 CROWDED, BESIDE = 4, 0.04  # points of codimension two with so many others nearer (parts of the picture) have no code
 
@@ -72,7 +73,7 @@ def draw(
         dress(axes, look, first, second)
         title = look.title or title
         if title:
-            axes.set_title(title, fontsize=10)
+            axes.set_title("\n".join(textwrap.wrap(title, int(TITLE * figure.get_figwidth()))), fontsize=10)
         if ax is None and look.legend != "none":
             _legends(figure, axes, data)
             if look.size is None:

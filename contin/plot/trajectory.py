@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -56,7 +57,7 @@ def figure(
             elif not closed and look.legend == "inside":
                 drawing.axes[-1].legend(loc="best")
         if look.title:
-            drawing.suptitle(look.title, fontsize="large")
+            drawing.suptitle("\n".join(textwrap.wrap(look.title, int(12.0 * width))), fontsize="large")
     return drawing
 
 

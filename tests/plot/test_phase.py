@@ -34,3 +34,17 @@ def test_explanations_stay_on_the_picture_and_do_not_meet(count):
         assert 0.0 <= one.x0 < one.x1 <= figure.bbox.width
         assert 0.0 <= one.y0 < one.y1 <= figure.bbox.height
     assert not any(one.overlaps(other) for k, one in enumerate(places) for other in places[:k])
+
+
+@pytest.mark.parametrize("words", [2, 30])
+def test_a_long_title_leaves_room_for_what_explains_the_letters(words):
+    square = {
+        "name": "A", "number": 0, "words": "2 of 6 equilibria stable, 1 stable orbit", "area": 1.0, "holes": [],
+        "outline": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], "stable": 2, "stable_orbits": 1,
+    }  # fmt: skip
+    data = {"curves": [], "parameters": ["p", "q"], "range": {"p": [0.0, 1.0], "q": [0.0, 1.0]}, "regions": [square]}
+    figure = draw(data, [], title=" ".join(["oscillations"] * words))
+    title = figure.axes[0].title.get_window_extent()
+    assert 0.0 <= title.x0 < title.x1 <= figure.bbox.width
+    assert title.y1 <= figure.bbox.height
+    assert not any(title.overlaps(legend.get_window_extent()) for legend in figure.legends)

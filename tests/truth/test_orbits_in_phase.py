@@ -154,7 +154,8 @@ def test_two_against_one_branches_from_three_in_phase():
     equal, *apart = sorted(gaps, key=lambda gap: gap[-1])
     assert equal.max() < 1e-9
     assert all(gap[-1] > 1e-4 for gap in apart)
-    k, gap = other.columns["k"], apart[0]
+    upwards = np.argsort(other.columns["k"])  # which of the two halves comes first is the sign of a null vector
+    k, gap = other.columns["k"][upwards], apart[0][upwards]
     below, above = (float(word) for word in re.findall(r"\d+\.\d+", note)[:2])  # the halves begin apart
     for rows, place in ((slice(None, 7), below), (slice(8, None), above)):
         nearest = np.argsort(gap[rows])[:3]

@@ -87,7 +87,7 @@ class SamePeriodProblem(OfOnePeriod, MarchedInPython):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        end = self.at_birth(origin.z, frame.scale)
+        end = self.at_birth(origin, before, frame.scale)
         if end is not None:
             return Renewal(frame.scale, origin, before, None, end)
         return renew(self, origin, before, frame, settings)

@@ -20,6 +20,7 @@ from contin.loci.orbits import criticality
 from contin.loci.orbits.renewal import on_finer_mesh, renew
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
 from contin.machine import elementary
+from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
 
@@ -80,6 +81,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
         start = self.measured(origin, frame)
         chunk = self.curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
         chunk = criticality.cut_at_change(self.curve, chunk, frame.scale)
+        chunk = cut_at_birth(self, chunk, frame, settings) if self.curve.orbits.autonomous else chunk
         return until_dip(chunk, before, length, FIRST_TEST)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
@@ -105,7 +107,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        end = self.at_birth(origin.z, frame.scale)
+        end = self.at_birth(origin, before, frame.scale)
         if end is not None:
             return Renewal(frame.scale, origin, before, loop, end)
         if self.locus == "LPC" and before is not None and self.passes_half(before.z, origin.z, frame.scale):

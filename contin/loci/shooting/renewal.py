@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def renew(problem: ShotCurveEquations, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
     """Metric and phase for the next chunk, or the end of the curve."""
     curve, scale = problem.curve, frame.scale
-    end = problem.at_birth(origin.z, scale)
+    end = problem.at_birth(origin, None, scale)
     if end is not None:
         return Renewal(scale, origin, before, None, end)
     orbits, orbit, metric = curve.at(origin.z), curve.orbit(origin.z), curve.orbit(scale)

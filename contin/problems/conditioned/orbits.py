@@ -17,7 +17,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.conditioned.under_conditions import Conditioned, product_of
 from contin.problems.orbits.collocated_orbits import OrbitProblem
-from contin.problems.orbits.hopf_end import cut_at_birth, has_shrunk
+from contin.problems.orbits.hopf_end import cut_at_birth, has_shrunk, is_growing
 from contin.problems.orbits.linearised.bordered import factors
 from contin.problems.orbits.linearised.linear import OrbitLinear, branch_tangents
 from contin.problems.orbits.linearised.multipliers import nontrivial
@@ -179,11 +179,16 @@ class ConditionedOrbits(Conditioned):
         periods[: self.profile(z).u.size] = 0.0
         return periods
 
+    def _has_shrunk(self, origin: Sample, before: Sample | None, scale: Array) -> bool:
+        """True at a Hopf point, where the branch does not just come from there."""
+        shrunk = self.inner.autonomous and has_shrunk(self, origin.z, scale)
+        return shrunk and not is_growing(self, before, origin, scale)
+
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
         """Mesh and sizes for the next chunk, or the Hopf point to which the orbit has shrunk."""
-        if self.inner.autonomous and has_shrunk(self, origin.z, frame.scale):
+        if self._has_shrunk(origin, before, frame.scale):
             text = f"the orbit shrank to a Hopf point near {self.parameters[0]} = {origin.z[-1]:.4g}"
             return Renewal(frame.scale, origin, before, None, End("hopf", text))
         free, widths = self.free_values(origin.z), self.free_values(frame.scale)

@@ -65,6 +65,14 @@ def has_shrunk(problem: Shrinking, z: Array, scale: Array) -> bool:
     return not problem.winding.any() and bool(np.max(np.ptp(u, axis=0) / problem.orbit_sizes(z, scale)) < SMALL)
 
 
+def is_growing(problem: Shrinking, before: Sample | None, origin: Sample, scale: Array) -> bool:
+    """True where the orbit is larger than the one before, and no half turn from it: the curve comes from its birth."""
+    if before is None:
+        return False
+    old, new = (_deviations(problem, sample.z, scale) for sample in (before, origin))
+    return 0.0 < float(np.sum(old * old)) <= float(np.sum(old * new))
+
+
 def _deviations(problem: Shrinking, z: Array, scale: Array) -> Array:
     """u - mean of u, relative to the states' sizes."""
     u = problem.profile(z).at(TIMES)

@@ -148,11 +148,11 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         """The states' sizes (n,) in a metric of z."""
         return np.asarray(self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale)))
 
-    def at_birth(self, z: Array, scale: Array) -> End | None:
-        """The end of a curve whose orbits have shrunk to a Hopf point."""
-        if not self.has_shrunk(z, scale):
+    def at_birth(self, origin: Sample, before: Sample | None, scale: Array) -> End | None:
+        """The end of a curve whose orbits have shrunk to a Hopf point, where it does not just come from there."""
+        if not self.has_shrunk(origin.z, scale) or hopf_end.is_growing(self, before, origin, scale):
             return None
-        where = ", ".join(f"{k} = {v:.4g}" for k, v in zip(self.parameters, z[[-1, -2]], strict=False))
+        where = ", ".join(f"{k} = {v:.4g}" for k, v in zip(self.parameters, origin.z[[-1, -2]], strict=False))
         return End("hopf", f"the orbit shrank to a Hopf point near {where}")
 
     def columns(self, z: Array) -> dict[str, Array]:

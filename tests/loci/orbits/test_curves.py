@@ -25,6 +25,25 @@ def bautin():
     return Model("bautin", states={"x": 0, "y": 0}, parameters={"p": -0.5, "q": 1}, equations={"x": x, "y": y})
 
 
+def test_a_curve_of_folds_that_grows_slowly_from_its_generalised_hopf_point_is_no_curve_that_ends_there():
+    """Leslie's predators with saturation: orbits of a hundredth of the states' sizes, and still growing.
+
+    Where it comes to h = 0.42, the fold is the one of the family in s.
+    """
+    equations = {"N": "N*(1 - N) - P*N/(0.1 + N)", "P": "s*P*(1 - h*P/N)"}
+    states, box = {"N": 0.3, "P": 0.37}, {"s": (0.01, 0.4), "h": (0.4, 1.6)}
+    at_h = [Model("predators", states=states, parameters={"s": 0.1, "h": h}, equations=equations) for h in (0.8, 0.42)]
+    lines = [contin.continuation(predators, "s", box["s"]) for predators in at_h]
+    hopf = curve(lines[0]["HB1"], ("s", "h"), box)
+    family = contin.continuation(lines[1]["HB1"].switch(), "s", box["s"])
+    (folds,) = curves_through(hopf["GH1"], ("s", "h"), box, orbits=True)
+    assert folds.ends[-1].text == "h reached 0.4"
+    s, h = (np.asarray(folds.columns[name]) for name in ("s", "h"))
+    near = np.argsort(abs(h - 0.42))[:4]
+    at = sum(s[i] * np.prod([(0.42 - h[j]) / (h[i] - h[j]) for j in near if j != i]) for i in near)
+    assert at == pytest.approx(family["LPC1"].values["s"], rel=1e-4)
+
+
 def test_folds_of_the_bautin_normal_form_lie_on_the_parabola(bautin):
     family = cycles(bautin, "p", (-0.5, 0.5))
     folds = curve(family["LPC1"], ("p", "q"), {"p": (-2, 0.5), "q": (0.2, 2)})
@@ -82,7 +101,7 @@ def test_period_doublings_of_the_roessler_system_pass_through_published_points()
 
 def test_folds_leave_a_generalised_hopf_point_along_the_parabola():
     hopf = BAUTIN.curve("HB1")
-    (folds,) = curves_through(hopf["GH1"], orbits=True)
+    (folds,) = curves_through(hopf["GH1"], box={"p": (-1, 1), "q": (-1, 1)}, orbits=True)
     p, q = folds.columns["p"], folds.columns["q"]
     assert folds.locus == "LPC"
     assert folds.parent.label == "GH1"

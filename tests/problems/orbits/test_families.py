@@ -234,3 +234,19 @@ def test_a_relaxation_oscillation_of_100_000_fastest_times_is_waited_for():
     )
     orbit = api.periodic_orbit(model)
     assert abs(orbit.period - (1.6137056388801094 * 200 + 7.014 * 200 ** (-1 / 3))) < 0.05
+
+
+@pytest.mark.parametrize("beyond", [1e-7, 1e-5, 1e-3])
+def test_a_bound_next_to_a_hopf_point_is_reached_by_the_family_itself(beyond):
+    """The Brusselator's orbits at A = 1: r^2 = (2/3)(B - 2)(1 + O(B - 2)), r the amplitude of the first harmonic of x.
+
+    The first point that can be told from the Hopf point may lie beyond the bound.
+    """
+    brusselator = {"x": "A - (B + 1)*x + x^2*y", "y": "B*x - x^2*y"}
+    model = Model("brusselator", states={"x": 1, "y": 1}, parameters={"A": 1, "B": 1.5}, equations=brusselator)
+    line = api.continuation(model, "B", (1.0, 3.0))
+    family = api.continuation(line["HB1"].switch(), "B", (1.0, 2.0 + beyond))
+    b, extent = (np.asarray(v) for v in (family.columns["B"], family.columns["x.max"] - family.columns["x.min"]))
+    assert b[-1] == 2.0 + beyond
+    assert b.max() == b[-1]
+    assert extent[1:] ** 2 == pytest.approx(16.0 / 3.0 * (b[1:] - 2.0), rel=2.0 * beyond + 3e-4)
