@@ -12,7 +12,6 @@ from __future__ import annotations
 from cmath import isfinite
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.linalg.balancing import balancing_scales
 from contin.linalg.spectrum import count_and_tests, spectrum
+from contin.model.kept import kept_with
 from contin.problems.dense_march import DenseMarch
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 Values = NDArray[np.complex128]
 
 FEW: Final = 8  # eigenvalues
+REMEMBERED: Final = 8  # places
 SUSPECT: Final = 1e-6  # of their sizes: two eigenvalues this nearly opposite may be a pair
 KNOWN: Final = 1e-14  # ... and this nearly, they are one in the compiled tests as well
 ROUNDING: Final = 8.0 * float(np.finfo(float).eps)  # error of an entry beside the row's and column's size
@@ -147,12 +148,16 @@ def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Ar
     """
     if len(values) == problem.n and not is_suspect(values, problem.is_map):
         return False
-    return _is_neutral_at(problem, z.tobytes(), scale.tobytes())  # type: ignore[arg-type]  # (problems are told by identity)
+    known: dict[tuple[bytes, bytes], bool] = kept_with(problem, "neutral places", dict)
+    place = z.tobytes(), scale.tobytes()  # asked again for every point that is solved for from z
+    if place not in known:
+        if len(known) >= REMEMBERED:
+            known.clear()
+        known[place] = _is_neutral_at(problem, z, scale)
+    return known[place]
 
 
-@lru_cache(maxsize=8)  # asked again for every point that is solved for from z
-def _is_neutral_at(problem: DenseInOneParameter, at: bytes, metric: bytes) -> bool:
-    z, scale = np.frombuffer(at), np.frombuffer(metric)
+def _is_neutral_at(problem: DenseInOneParameter, z: Array, scale: Array) -> bool:
     values, _ = spectrum(problem.linear_part(z))
     if not is_suspect(values, problem.is_map):
         return False
