@@ -31,6 +31,7 @@ from contin.problems.orbits.renewal import refitted
 ENDLESS: Final = 1e300  # the period of an unknown that is no angle
 LARGE: Final = 30.0  # times the scale of a free parameter, beyond which it is not followed
 ALIKE: Final = 1e-7  # relative distance of parameters below which two points are one
+ROUNDED, UNTOLD = 1e-11, 1e-8  # errors of a multiplier 1: at least, beside ten times the trivial one's, and at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +109,13 @@ class ConditionedOrbits(Conditioned):
         others = nontrivial(inner, values)
         if not np.all(np.isfinite(others)):
             return np.full(3, np.nan), 0, values
+        beyond = others - 1.0
+        trivial = abs(complex(values[0]) - 1.0) if self.inner.autonomous else 0.0
+        critical = (np.abs(beyond) <= min(ROUNDED + 10.0 * trivial, UNTOLD)) & (beyond.imag == 0.0)
+        beyond = np.where(critical, UNTOLD, beyond)  # on a continuum of orbits it is rounding, other at each row
         pairs = np.array([a * b - 1.0 for i, a in enumerate(others) for b in others[i + 1 :]])
-        tests = np.array([product_of(others - 1.0), product_of(others + 1.0), product_of(pairs)])
-        return tests, int(np.sum(np.abs(others) > 1.0)), values
+        tests = np.array([product_of(beyond), product_of(others + 1.0), product_of(pairs)])
+        return tests, int(np.sum((np.abs(others) > 1.0) & ~critical)), values
 
     def inner_type(self, test: str, near: Sample, also: Sequence[str]) -> str | None:
         if test == "zero":
