@@ -14,6 +14,7 @@ from contin.continuation.settings import Settings
 STEPS: Final = 12  # secants to the point
 ACCURATE: Final = 1e-3  # arclength to the point; its parameters change by the square of that
 TIMES: Final = np.linspace(0.0, 1.0, 64, endpoint=False)
+ALIKE: Final = 0.5  # cosine
 SMALL: Final = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 
 
@@ -49,14 +50,25 @@ def cut_at_birth(problem: Shrinking, chunk: Chunk, frame: Frame, settings: Setti
     """The chunk up to the point at which the amplitude of its orbits passes zero, which becomes the last row."""
     if len(chunk) < 2 or problem.winding.any():
         return chunk
-    shapes = [_deviations(problem, z, frame.scale) for z in chunk.z]
+    values = [problem.profile(z).u for z in chunk.z]
     for k in range(len(chunk) - 1):
-        if float(np.sum(shapes[k] * shapes[k + 1])) < 0.0:
-            last = _smallest(problem, chunk.sample(k), shapes[k], float(chunk.lengths[k + 1]), frame, settings)
+        if _are_alike(values[k], values[k + 1]):
+            continue
+        shape, following = (_deviations(problem, z, frame.scale) for z in chunk.z[k : k + 2])
+        if float(np.sum(shape * following)) < 0.0:
+            last = _smallest(problem, chunk.sample(k), shape, float(chunk.lengths[k + 1]), frame, settings)
             if last is None:
                 return chunk
             return _ending_in(chunk.cut(k + 2, Stop.LIMIT, chunk.next_step), last)
     return chunk
+
+
+def _are_alike(a: Array, b: Array) -> bool:
+    """True where every state goes up and down alike in both, (points, n): most rows need no closer look."""
+    if a.shape != b.shape:
+        return False
+    a, b = a - a.mean(axis=0), b - b.mean(axis=0)
+    return bool(np.all(np.sum(a * b, axis=0) >= ALIKE * np.sqrt(np.sum(a * a, axis=0) * np.sum(b * b, axis=0))))
 
 
 def has_shrunk(problem: Shrinking, z: Array, scale: Array) -> bool:
