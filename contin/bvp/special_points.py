@@ -135,7 +135,7 @@ def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
     found = secant(mesh, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return unverified("LP", "the parameter does not turn at one point of the curve")
-    at, left, error, _ = found
+    at, left, error = found.at, found.left, found.error
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT:
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")

@@ -19,11 +19,14 @@ from contin.loci.codim2 import degenerate
 from contin.loci.codim2.flip_coefficient import flip_coefficient
 from contin.loci.codim2.functions import lyapunov
 from contin.loci.codim2.matrices import null_pair, own_critical, scaled_matrix
+from contin.loci.codim2.uncomputed_tests import untold
 from contin.machine import elementary
+from contin.normalforms.result import NO_FORM
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
 
+BESIDE_BT = 1e-9  # squared frequency (relative) below which only rounding is left of l1, which grows towards a BT
 NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
 
 
@@ -41,13 +44,21 @@ def tests_at(problem: CurveOfPoints, z: Array) -> tuple[Array, int, NDArray[np.c
     if problem.locus == "HB":
         product = real_test(others, 0.0)
         kappa = problem.curve.scalar(z)
-        sign = lyapunov(problem, z) * np.sign(product) if kappa > 0.0 else 0.0
         size = elementary.square(float(np.linalg.norm(matrix)))
+        sign = _lyapunov(problem, z) * np.sign(product) if kappa > BESIDE_BT * size else 0.0
         return np.array([kappa / size, product, pairs, sign]), unstable, values
     v, psi = null_pair(matrix, problem.curve.reference())
     if problem.locus == "BP":
         return np.array([degenerate.test(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
     return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
+
+
+def _lyapunov(problem: CurveOfPoints, z: Array) -> float:
+    """l1; 0, which has no sign, and a remark where it has a pole."""
+    try:
+        return lyapunov(problem, z)
+    except NO_FORM as reason:
+        return untold(problem, "GH", reason)
 
 
 def quadratic(problem: CurveOfPoints, z: Array, v: Array, psi: Array) -> float:

@@ -97,8 +97,7 @@ def _chain(at: Folds) -> float:
 def _lyapunov(problem: OnLargeCurve, z: Array) -> float:
     branch, point = problem.curve.branch(z)
     at = problem.curve.pairs_at(z)
-    form = simple.hopf(branch, point, at.at[0].v, float(np.sqrt(problem.curve.kappa(z))))
-    return float(form["l1"])
+    return simple.lyapunov(branch, point, at.at[0].v, float(np.sqrt(problem.curve.kappa(z))))
 
 
 def verify(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> Outcome:
@@ -118,13 +117,13 @@ def _verified(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> 
     found = secant(problem, near, frame, measure)
     if found is None:
         return unverified(type_, "its test has no zero on the curve nearby")
-    at, left, error, _ = found
+    at, left, error = found.at, found.left, found.error
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT:
         return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     if problem.curve.kappa(at.z) <= 0.0 and problem.locus == "HB":
         return NOTHING  # a neutral saddle
-    return _described(problem, type_, at.z, residual, error)
+    return _described(problem, type_, at.z, residual, error, frame.scale[-2:])
 
 
 def _measure(problem: OnLargeCurve, type_: str, near: Sample) -> Callable[[At], float] | Rejected:
@@ -185,7 +184,9 @@ def _takens_by_folds(problem: OnLargeCurve, near: Sample, frame: Frame) -> Outco
     return replace(found, z=placed)
 
 
-def _described(problem: OnLargeCurve, type_: str, z: Array, residual: float, error: float) -> Verified:
+def _described(
+    problem: OnLargeCurve, type_: str, z: Array, residual: float, error: float, widths: Array
+) -> Verified:
     values, others, vectors = split(problem, z)
     rest = list(others)
     own = [k for k in range(len(values)) if k not in rest]
@@ -207,4 +208,4 @@ def _described(problem: OnLargeCurve, type_: str, z: Array, residual: float, err
     elif zeros:
         known["null"] = np.real(vectors[:, zeros[0]])
     unstable = int(np.sum(values[free].real > 0.0))
-    return forms.with_normal_form(problem, Verified(type_, z, residual, error, values, unstable), known)
+    return forms.with_normal_form(problem, Verified(type_, z, residual, error, values, unstable), known, widths)

@@ -6,6 +6,7 @@ with the dense methods where the system is small enough for that.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,10 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
+from contin.linalg.vectors import norm
+from contin.loci.codim2.zero_hopf_crossing import EXACT
 from contin.loci.sparse.singular import Folds
+from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.linear import normalise
 from contin.normalforms.point import normal_form as dense_form
@@ -27,8 +31,11 @@ if TYPE_CHECKING:
 DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
 
-def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields) -> Verified:
-    """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed."""
+def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widths: Array) -> Verified:
+    """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed.
+
+    widths : scales of the second and of the first parameter.
+    """
     vectors: Fields = {}
     try:
         if point.type == "CP":
@@ -36,7 +43,7 @@ def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields) -> V
         elif point.type == "BT":
             form, vectors = takens(problem, point.z)
         elif problem.n <= DENSE:
-            form = _dense(problem, point.type, point.z, known)
+            form = _dense(problem, point.type, point.z, known, widths)
         else:
             remark = f"{point.type}: its normal form is not computed beyond {DENSE} unknowns"
             return replace(point, vectors=known, remark=remark)
@@ -85,14 +92,44 @@ def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
     return form, {"null": q0, "generalised": q1}
 
 
-def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields) -> Fields:
+def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields, widths: Array) -> Fields:
     branch, point = problem.curve.branch(z)
     linear = branch.linear(point)
     matrix = _entries(linear, problem.n)
-    jet = DerivativeJet(matrix, lambda directions: branch.form(point, *map(state, directions)), 0, "flow")
     omegas = known["omegas"]
-    form = dense_form(type_, jet, frequency=max(omegas) if omegas and type_ != "HH" else None)
+    frequency = max(omegas) if omegas and type_ != "HH" else None
+    if type_ == "ZH" and problem.locus == "HB" and _is_forced(problem, z, matrix, widths):
+        form = zero_hopf_on_plane(_in_both_parameters(problem, z, matrix), frequency)
+    else:
+        jet = DerivativeJet(matrix, lambda directions: branch.form(point, *map(state, directions)), 0, "flow")
+        form = dense_form(type_, jet, frequency=frequency)
     return dict(form.coefficients) | ({"errors": dict(form.errors)} if form.errors else {})
+
+
+def _is_forced(problem: OnLargeCurve, z: Array, matrix: Array, widths: Array) -> bool:
+    """True where neither parameter unfolds the vanishing eigenvalue, as on an invariant plane: psi . F_p = 0."""
+    curve = problem.curve
+    system, p = curve.origin.system, curve.full_parameters(z)
+    values, vectors = np.linalg.eig(matrix.T)
+    psi = vectors[:, int(np.argmin(np.abs(values)))].real
+    slopes = np.array([system.parameter_slope(z[: problem.n], p, k) for k in (curve.second, curve.first)])
+    slopes *= widths[:, None]
+    size = norm(psi) * max(norm(slopes.ravel()), norm(matrix.ravel()))
+    return bool(np.max(np.abs(slopes @ psi)) < EXACT * size)
+
+
+def _in_both_parameters(problem: OnLargeCurve, z: Array, matrix: Array) -> DerivativeJet:
+    """Derivatives in the states, the first and the second parameter."""
+    curve, n = problem.curve, problem.n
+    system, p = curve.origin.system, curve.full_parameters(z)
+
+    def derivative(directions: Sequence[Array]) -> Array:
+        wide = np.zeros((len(directions), n + system.m))
+        for row, d in zip(wide, directions, strict=True):
+            row[:n], row[[n + curve.first, n + curve.second]] = d[:n], d[n:]
+        return np.real(system.derivative(z[:n], p, *wide))
+
+    return DerivativeJet(matrix, derivative, 2, "flow")
 
 
 def _entries(linear: Any, n: int) -> Vector:

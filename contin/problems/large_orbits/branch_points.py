@@ -7,6 +7,7 @@ sides, which planes give that are normal to the tangent at the row that the step
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from contin.abi import Array
 from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
-from contin.problems.large_orbits.events import critical_index, excess
+from contin.problems.large_orbits.events import SAFETY, critical_index, excess
 from contin.problems.large_orbits.radau import A
 from contin.problems.sparse.special_points import At, point_at
 
@@ -62,11 +63,30 @@ def verify(problem: LargeOrbitEquations, near: Sample, frame: Frame) -> Outcome:
     if k is None:
         return unverified("BPC", "the multiplier that crosses is lost")
     others = np.delete(multipliers, k)
+    error = 2.0 * abs(float(other[-1] - z[-1])) + _moved_by_mesh(problem, base, frame, centre, line / length, z)
     return Verified(
-        "BPC", z, max(residual, abs(float(multipliers[k].real) - 1.0)), 2.0 * abs(float(other[-1] - z[-1])),
+        "BPC", z, max(residual, abs(float(multipliers[k].real) - 1.0)), error,
         np.append(1.0 + 0.0j, multipliers), int(np.sum(np.abs(others) > 1.0)), {},
         {"q": vectors[:, k].real, "own": tangent / norm(tangent)},
     )  # fmt: skip
+
+
+def _moved_by_mesh(
+    problem: LargeOrbitEquations, base: Sample, frame: Frame, centre: float, line: Array, z: Array
+) -> float:
+    """How far the parameter is from that of the flow, by the same interpolation on a mesh of half the lengths."""
+    fine = problem.on_half_lengths(base.z, base.tangent, frame.scale)
+    if fine is None:
+        return float("inf")
+    finer, there, scale = fine
+    start = replace(base, z=there.z, tangent=there.tangent)
+    _, moved, _ = problem.on_intervals(finer.intervals)
+    found = _samples(finer, start, Frame(scale), centre + APART[-1] * PLACES, moved(line))
+    if found is None:
+        return float("inf")
+    places, points, values = found
+    zero = _zero(places, values)
+    return SAFETY * abs(float(_interpolated(places, np.array([at.z[-1] for at in points]), zero) - z[-1]))
 
 
 def _samples(

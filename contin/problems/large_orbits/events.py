@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import REAL
-from contin.problems.sparse.special_points import At, secant
+from contin.problems.sparse.special_points import At, Zero, secant
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 
 RESIDUAL_LIMIT: Final = 1e-7
+SAFETY: Final = 2.0  # of a change from one mesh to the next: the finer one has an error of its own
 WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1"}
 
 
@@ -37,15 +38,13 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
 
 def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The orbit of this type near a sample, by the secant method along the family."""
-    if type_ == "LPC":
-        found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
-    else:
-        found = secant(problem, near, frame, lambda at: excess(problem, at, type_))
+    found = secant(problem, near, frame, lambda at: _measured(problem, at, type_))
     if found is None:
         return unverified(type_, f"no orbit with {WORDS.get(type_, 'a turning parameter')} nearby")
-    at, left, error, _ = found
+    at, left = found.at, found.left
     residual = max(at.residual, abs(left))
-    if not (residual < RESIDUAL_LIMIT and np.isfinite(error)):
+    error = found.error + moved_by_mesh(problem, type_, found, frame)
+    if not (residual < RESIDUAL_LIMIT and np.isfinite(found.error)):
         return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     values, vectors = problem.multipliers(at.z, exactly=True)
     critical = critical_index(values, type_)
@@ -61,6 +60,28 @@ def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame)
         type_, at.z, residual, float(error), np.append(1.0 + 0.0j, values), unstable, form,
         {"q": vectors[:, critical]},
     )  # fmt: skip
+
+
+def _measured(problem: LargeOrbitEquations, at: At, type_: str) -> float:
+    """What vanishes at an orbit of this type."""
+    return float(at.tangent[-1]) if type_ == "LPC" else excess(problem, at, type_)
+
+
+def moved_by_mesh(problem: LargeOrbitEquations, type_: str, found: Zero, frame: Frame) -> float:
+    """How far the parameter of a special orbit is from that of the flow, by a mesh of half the lengths.
+
+    One orbit is solved for there, on the plane normal to the family; on both meshes the measure has one slope. Infinite
+    where that orbit is not found, or has no such multiplier.
+    """
+    fine = problem.on_half_lengths(found.at.z, found.at.tangent, frame.scale)
+    if fine is None or found.slope == 0.0:
+        return float("inf")
+    finer, there, _ = fine
+    ahead = -_measured(finer, there, type_) / found.slope
+    moved = (there.z[-1] - found.at.z[-1]) / frame.scale[-1] + ahead * there.tangent[-1]
+    if type_ == "LPC":
+        moved += 0.5 * found.slope * elementary.square(ahead)
+    return SAFETY * abs(float(moved)) * float(frame.scale[-1])
 
 
 def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:

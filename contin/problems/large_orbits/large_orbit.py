@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Verified, unverified
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.vectors import norm
@@ -24,10 +24,9 @@ from contin.problems.large_orbits import branch_points, events
 from contin.problems.large_orbits.large_orbit_equations import (
     TOLERANCE,
     LargeOrbitEquations,
-    Memory,
 )
 from contin.problems.large_orbits.multipliers import tests_of
-from contin.problems.large_orbits.radau import STAGES
+from contin.problems.large_orbits.radau import STAGES, extremes
 from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.scales import parameter_width
 
@@ -45,15 +44,10 @@ class LargeOrbitProblem(LargeOrbitEquations):
         wanted = settings.intervals
         if wanted is None or wanted == self.intervals:
             return seed
-        problem = replace(self, intervals=wanted, memory=Memory())
-
-        def moved(row: Array) -> Array:
-            return problem.vector(self.profile(row).refined(wanted), float(row[-1]))
-
+        problem, moved, metric = self.on_intervals(wanted)
         if seed.scale is None:
             return replace(seed, problem=problem, z=moved(seed.z))
-        size, rest = float(seed.scale[0]) / np.sqrt(seed.scale.size - 2), seed.scale[-2:]
-        scale = problem.scale_of(size, rest)
+        scale = metric(seed.scale)
         parts = [None if d is None else moved(d * seed.scale) / scale for d in (seed.direction, seed.curvature)]
         length = 1.0 if parts[0] is None else norm(parts[0])
         direction = None if parts[0] is None else parts[0] / length
@@ -70,11 +64,6 @@ class LargeOrbitProblem(LargeOrbitEquations):
         return tests, unstable, np.append(1.0 + 0.0j, values)
 
     # the engine's contract --------------------------------------------------------------------------------------------
-
-    def scale_of(self, size: float, rest: Array) -> Array:
-        """States of one size, the norm that of a function of time and space; period and parameter in theirs."""
-        count = self.intervals * STAGES * self.n
-        return np.append(np.full(count, size * np.sqrt(count)), rest)
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         U = self.profile(z).U
@@ -108,6 +97,15 @@ class LargeOrbitProblem(LargeOrbitEquations):
         self.settle(base.z, base.tangent, frame.scale)
         return python_march.probe(self, base, length, guess, frame, settings)
 
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        found = self.on_half_lengths(sample.z, sample.tangent, frame.scale)
+        if found is None:
+            return None
+        problem, there, scale = found
+        tests, unstable, values = problem.stability(there.z)
+        tests = np.concatenate([[there.tangent[-1], sample.tests[1]], tests])
+        return problem, Sample(there.z, there.tangent, tests, unstable, values), Frame(scale)
+
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         fixed = np.zeros(guess.size)
         fixed[-1] = 1.0
@@ -139,14 +137,14 @@ class LargeOrbitProblem(LargeOrbitEquations):
         return (self.parameters[0], "period", *(f"{name}.{end}" for name in names for end in ("min", "max")))
 
     def columns(self, z: Array) -> dict[str, Array]:
-        """The parameter, the period, smallest and largest value over the orbit's points of states and of what is
-        recorded; where nothing has a name, of the states' norm."""
+        """The parameter, the period, smallest and largest value over the orbit of states and of what is recorded; where
+        nothing has a name, of the states' norm."""
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy(), "period": z[:, -2].copy()}
         low, high = [], []
         for row in z:
-            values = self._observed(row)
-            low.append(values.min(axis=0))
-            high.append(values.max(axis=0))
+            values = extremes(self._observed(row).reshape(self.intervals, STAGES, -1))
+            low.append(values[0])
+            high.append(values[1])
         for k, name in enumerate(self.column_names()[2:]):
             columns[name] = np.array(high if k % 2 else low)[:, k // 2]
         return columns

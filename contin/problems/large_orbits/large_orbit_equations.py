@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, Self
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Sample
+from contin.continuation.problem import Frame, Sample
 from contin.linalg.factor import Factoriser
 from contin.linalg.vectors import norm
 from contin.machine import elementary
@@ -21,6 +21,7 @@ from contin.problems.large_orbits.radau import STAGES, WEIGHTS, A, Trajectory
 from contin.problems.large_orbits.sweeps import Closed, Sweeps
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
+from contin.problems.sparse.special_points import At, point_at
 from contin.systems.functions.function_system import FunctionSystem
 
 SMALL: Final = 1e-8  # amplitude (scaled) below which an orbit has no phase of its own
@@ -194,6 +195,33 @@ class LargeOrbitEquations(InOneParameterProblem):
         size = float(scale[0]) / np.sqrt(len(scale) - 2)
         closed = Closed.of(sweeps, columns, rows, np.array([size, scale[-2], scale[-1]]))
         return OrbitLinearisation(np.append(residual[:-1] / scale[:-2], residual[-1]), closed, scale, self.intervals)
+
+    def scale_of(self, size: float, rest: Array) -> Array:
+        """States of one size, the norm that of a function of time and space; period and parameter in theirs."""
+        count = self.intervals * STAGES * self.n
+        return np.append(np.full(count, size * np.sqrt(count)), rest)
+
+    def on_intervals(self, count: int) -> tuple[Self, Callable[[Array], Array], Callable[[Array], Array]]:
+        """The family on another number of intervals; what becomes of orbits (and changes of them) and of metrics."""
+        problem = replace(self, intervals=count, memory=Memory())
+
+        def moved(row: Array) -> Array:
+            return problem.vector(self.profile(row).refined(count), float(row[-1]))
+
+        def metric(scale: Array) -> Array:
+            return problem.scale_of(float(scale[0]) / np.sqrt(scale.size - 2), scale[-2:])
+
+        return problem, moved, metric
+
+    def on_half_lengths(self, z: Array, tangent: Array, scale: Array) -> tuple[Self, At, Array] | None:
+        """The orbit near z, on the plane normal to its tangent, on intervals of half the length; and its metric."""
+        problem, moved, metric = self.on_intervals(2 * self.intervals)
+        finer = metric(scale)
+        along = moved(tangent * scale) / finer
+        base = Sample(moved(z), along / norm(along), np.zeros(0), 0, np.zeros(0, complex))
+        problem.settle(base.z, base.tangent, finer)
+        there = point_at(problem, base, 0.0, base.z, Frame(finer))
+        return None if there is None else (problem, there, finer)
 
     def multipliers(self, z: Array, exactly: bool = False) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         """Leading multipliers without the trivial one, and their vectors."""

@@ -29,6 +29,27 @@ WEIGHTS: Final = A[2]  # of integrals over an interval of length 1
 INVERSE: Final = np.linalg.inv(A)
 
 
+_NODES: Final = np.append(0.0, C)
+_POWERS: Final = np.linalg.inv(np.vander(_NODES, increasing=True))  # coefficients of the cubic through four values
+
+
+def extremes(values: Array) -> Array:
+    """Smallest and largest value (2, k) over a period of cubics that have these values (intervals, 3, k) at the points.
+
+    Of order 4 in the length of the intervals, where those of the points are of order 2.
+    """
+    four = np.concatenate([np.roll(values[:, -1], 1, axis=0)[:, None], values], axis=1)
+    c = np.einsum("ab,jbk->ajk", _POWERS, four)
+    with np.errstate(all="ignore"):
+        root = np.sqrt(c[2] * c[2] - 3.0 * c[1] * c[3])
+        q = -(c[2] + np.copysign(root, c[2]))
+        places = np.array([q / (3.0 * c[3]), c[1] / q])
+    x = np.where((places > 0.0) & (places < 1.0), places, 0.0)
+    at = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+    every = np.concatenate([four.reshape(-1, values.shape[-1]), at.reshape(-1, values.shape[-1])])
+    return np.array([every.min(axis=0), every.max(axis=0)])
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """One period: U (intervals, 3, n) at the points, the end of each interval last; the intervals have equal lengths.
@@ -68,7 +89,7 @@ class Trajectory:
         """Values (K, n) at times from 0 to 1."""
         place = np.asarray(times, dtype=float) * len(self.U)
         j = np.clip(np.floor(place).astype(int), 0, len(self.U) - 1)
-        nodes = np.append(0.0, C)
+        nodes = _NODES
         x = (place - j)[:, None]
         weights = np.ones((len(x), 4))
         for k in range(4):

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,14 +15,15 @@ from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
 from contin.linalg.linear import Linear
 from contin.normalforms.linear import normalise
-from contin.normalforms.result import parts, sense
+from contin.normalforms.result import TRUST, parts, sense
 from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
+    from contin.problems.sparse.large_equations import LargeEquations
 
 SAMPLES = 3
-TRUST = 1e-6  # coefficients below this part of their largest summand are zero to the accuracy of differenced forms
+SPREAD = 4.0  # of an error, over the largest of SAMPLES
 
 
 def linear_at(problem: SparseEquations, z: Array) -> Linear:
@@ -98,50 +100,118 @@ def state(v: Vector) -> Vector:
     return np.append(v, 0.0)
 
 
-def fold(problem: SparseEquations, z: Array, q: Vector) -> Fields:
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """D^kF at a point, as it is or as well as it is known: at a place off by `noise`, every entry off by as much."""
+
+    problem: LargeEquations
+    z: Array
+    noise: np.random.Generator | None = None
+
+    @classmethod
+    def off(cls, problem: LargeEquations, z: Array, generator: np.random.Generator) -> Derivatives:
+        """Beside the point, by the part of its unknowns' sizes to which points and derivatives are trusted."""
+        size = np.maximum(np.abs(z), problem.typical_sizes)
+        return cls(problem, z + TRUST * size * generator.uniform(-1.0, 1.0, z.size), generator)
+
+    def __call__(self, *directions: Vector) -> Vector:
+        return self._known(self.problem.form(self.z, *directions))
+
+    def slope(self) -> Array:
+        """F_p"""
+        return np.real(self._known(self.problem.parameter_slope(self.z)))
+
+    def _known(self, value: Vector) -> Vector:
+        if self.noise is None:
+            return value
+        return np.asarray(value * (1.0 + TRUST * self.noise.uniform(-1.0, 1.0, len(value))))
+
+
+Coefficients = Callable[[Derivatives], dict[str, float]]
+
+
+def with_errors(problem: LargeEquations, z: Array, compute: Coefficients) -> tuple[dict[str, float], dict[str, float]]:
+    """Coefficients, and their estimated errors: how far they scatter as what they are made of does."""
+    found = compute(Derivatives(problem, z))
+    generator = np.random.default_rng(9)
+    others = [compute(Derivatives.off(problem, z, generator)) for _ in range(SAMPLES)]
+    return found, {key: SPREAD * max(abs(other[key] - value) for other in others) for key, value in found.items()}
+
+
+def fold(problem: LargeEquations, z: Array, q: Vector) -> Fields:
     """`a` = <p, B(q, q)>/2."""
     q = normalise(q)
-    _, value = projector(linear_at(problem, z), q)(problem.form(z, state(q), state(q)))
-    return {"a": 0.5 * float(np.real(value))}
+    project = projector(linear_at(problem, z), q)
+    right = state(q)
+    found, errors = with_errors(problem, z, lambda form: {"a": 0.5 * float(np.real(project(form(right, right))[1]))})
+    return {**found, "errors": errors}
 
 
-def branch_point(problem: SparseEquations, z: Array, q: Vector) -> Fields:
-    """FORMATS' reduced equation at a simple branch point."""
+def branch_point(problem: LargeEquations, z: Array, q: Vector) -> Fields:
+    """FORMATS' reduced equation at a simple branch point; its kind as `contin.normalforms.branching` decides it."""
     q = normalise(q)
     project = projector(linear_at(problem, z), q)
-    slope = problem.parameter_slope(z)
     right = state(q)
 
     def response(r: Vector) -> tuple[Vector, float]:
-        """(x, <p, r>) with A x = -(r - <p, r> q) and <p, x> = 0."""
+        """(x, <p, r>) with A x = -(r - <p, r> q1) and <p, x> = 0."""
         x, value = project(r)
         return -(x - float(np.real(project(x)[1])) * q), float(np.real(value))
 
-    h, a01 = response(slope)
-    along = np.append(h, 1.0)
-    k, b20 = response(problem.form(z, right, right))
-    a02 = float(np.real(project(problem.form(z, along, along))[1]))
-    b11 = float(np.real(project(problem.form(z, right, along))[1]))
-    cubic = problem.form(z, right, right, right)
-    mixed = problem.form(z, right, state(k))
-    b30 = float(np.real(project(cubic + 3.0 * mixed)[1]))
-    scale = float(np.abs(problem.form(z, right, right)).max())
-    form: Fields = {"a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
-    form["discriminant"] = b11 * b11 - a02 * b20
-    if abs(b20) <= TRUST * max(scale, abs(b11)):
-        return {"kind": "pitchfork", "criticality": sense(b30, TRUST * float(np.abs(cubic).max())), **form}
-    return {"kind": "transcritical" if form["discriminant"] > 0 else "isolated", **form}
+    def coefficients(form: Derivatives) -> dict[str, float]:
+        h, a01 = response(form.slope())
+        along = np.append(h, 1.0)
+        k, b20 = response(form(right, right))
+        cubic, mixed = form(right, right, right), form(right, state(k))
+        a02, b11, b30 = (
+            float(np.real(project(r)[1])) for r in (form(along, along), form(right, along), cubic + 3.0 * mixed)
+        )
+        return {"a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30, "discriminant": b11 * b11 - a02 * b20}
+
+    form, errors = with_errors(problem, z, coefficients)
+    kind: Fields = {"kind": "isolated"}
+    if abs(form["b20"]) <= errors["b20"]:
+        kind = {"kind": "degenerate"}
+        if abs(form["b11"]) > errors["b11"]:
+            kind = {"kind": "pitchfork", "criticality": sense(form["b30"], errors["b30"])}
+    elif form["discriminant"] >= -errors["discriminant"]:
+        kind = {"kind": "transcritical" if form["discriminant"] > errors["discriminant"] else "tangency"}
+    return {**kind, **form, "errors": errors}
 
 
-def hopf(problem: SparseEquations, z: Array, q: Vector, omega: float) -> Fields:
-    """`omega`, `c1` = G21/2, `l1` = Re c1 / omega, `criticality` (Kuznetsov, 3rd ed., sec. 5.4)."""
+Cubic = Callable[[Derivatives], complex]
+
+
+def hopf_coefficient(problem: LargeEquations, z: Array, q: Vector, omega: float) -> Cubic:
+    """c1 = G21/2 of w' = i omega w + c1 w |w|^2 as a function of the derivatives (Kuznetsov, 3rd ed., sec. 5.4)."""
     q = normalise(q)
     linear = linear_at(problem, z)
     right, other = state(q), state(np.conj(q))
-    h20 = -linear.shifted(2j * omega).solve(problem.form(z, right, right).astype(complex))
-    h11 = -linear.solve(np.real(problem.form(z, right, other)))
-    cubic = problem.form(z, right, right, other)
-    total = cubic + problem.form(z, other, state(h20)) + 2.0 * problem.form(z, right, state(h11.astype(complex)))
-    c1 = 0.5 * complex(projector(linear.shifted(1j * omega), q)(total)[1])
-    error = TRUST * float(np.abs(cubic).max())
-    return {"omega": omega, "c1": parts(c1), "l1": c1.real / omega, "criticality": sense(c1.real, error)}
+    twice, project = linear.shifted(2j * omega), projector(linear.shifted(1j * omega), q)
+
+    def c1(form: Derivatives) -> complex:
+        h20 = -twice.solve(form(right, right).astype(complex))
+        h11 = -linear.solve(np.real(form(right, other)))
+        total = form(right, right, other) + form(other, state(h20)) + 2.0 * form(right, state(h11.astype(complex)))
+        return 0.5 * complex(project(total)[1])
+
+    return c1
+
+
+def lyapunov(problem: LargeEquations, z: Array, q: Vector, omega: float) -> float:
+    """l1 = Re c1 / omega."""
+    return hopf_coefficient(problem, z, q, omega)(Derivatives(problem, z)).real / omega
+
+
+def hopf(problem: LargeEquations, z: Array, q: Vector, omega: float) -> Fields:
+    """`omega`, `c1`, `l1` = Re c1 / omega, `criticality`."""
+    compute = hopf_coefficient(problem, z, q, omega)
+
+    def coefficients(form: Derivatives) -> dict[str, float]:
+        c1 = compute(form)
+        return {"l1": c1.real / omega, "across": c1.imag}
+
+    found, errors = with_errors(problem, z, coefficients)
+    l1, error = found["l1"], errors["l1"]
+    c1 = complex(omega * l1, found["across"])
+    return {"omega": omega, "c1": parts(c1), "l1": l1, "criticality": sense(l1, error), "errors": {"l1": error}}

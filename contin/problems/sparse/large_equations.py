@@ -41,6 +41,12 @@ class LargeEquations(InOneParameterProblem):
     def angle_periods(self) -> Array:
         return self.system.model.periods()
 
+    @cached_property
+    def typical_sizes(self) -> Array:
+        """Of the states and the parameter, (n + 1,)."""
+        sizes = self.system.lines.sizes
+        return np.append(sizes[: self.n], sizes[self.n + self.active])
+
     def with_active(self, name: str, z: Array | None = None) -> Self:
         return replace(super().with_active(name, z), work=Workspace())
 

@@ -22,6 +22,7 @@ from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
 from contin.normalforms.directions import any_branch_point
+from contin.normalforms.later import stated
 from contin.problems.sparse import forms
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.reduced_equation import Reduced
@@ -106,14 +107,20 @@ def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Ar
 Measure = Callable[[At], float]
 
 
-def secant(
-    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure
-) -> tuple[At, float, float, float] | None:
-    """The zero of `measure` near base.
+@dataclass(frozen=True, eq=False)
+class Zero:
+    """Where a measure vanishes on the curve: the point, the value left, the estimated error of the parameter, and the
+    slopes of the measure by the arclength (scaled) and by the parameter, infinite where that does not change."""
 
-    Returns the point, the value left, the estimated error of the parameter, and the slope of `measure` in the parameter
-    (infinite where the parameter does not change).
-    """
+    at: At
+    left: float
+    error: float
+    slope: float
+    by_parameter: float
+
+
+def secant(problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure) -> Zero | None:
+    """The zero of `measure` near base."""
 
     def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
         guess = base.z + s * frame.scale * base.tangent if near is None else near.z
@@ -148,7 +155,7 @@ def secant(
         return None
     rate = float(at.tangent[-1]) * float(frame.scale[-1])
     by_parameter = slope / rate if rate != 0.0 else np.inf
-    return at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope), by_parameter
+    return Zero(at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope), slope, by_parameter)
 
 
 def _scatter(
@@ -177,7 +184,7 @@ def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return unverified("LP", "the parameter does not turn at one point of the curve")
-    at, left, error, _ = found
+    at, left, error = found.at, found.left, found.error
     values = problem.spectrum(at.z).values
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
     here = problem.linearisation(at.z, at.tangent, frame.scale)  # where solved by iteration, once more from at.tangent
@@ -240,7 +247,7 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     found = secant(problem, near, frame, growth)
     if found is None:
         return unverified("HB", "the real part of the eigenvalue has no zero nearby")
-    at, left, error, slope = found
+    at, left, error, slope = found.at, found.left, found.error, found.by_parameter
     growth(at)  # the estimate of its error has looked at points beside it
     omega = abs(value.imag)
     residual = max(at.residual, abs(left))
@@ -343,9 +350,8 @@ def _multiple(problem: LargeEquations, near: Sample, frame: Frame, k: int) -> Ou
     form = any_branch_point(reduction_.jet, kernel=k, reduction=reduction_)
     error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
     unstable = int(np.sum(others.real > 0.0))
-    return Verified(
-        "BP", z, residual, float(error), spectrum.values, unstable, dict(form.coefficients), {"kernel": k}
-    )
+    coefficients = dict(form.coefficients) | ({"errors": stated(form.errors)} if form.errors else {})
+    return Verified("BP", z, residual, float(error), spectrum.values, unstable, coefficients, {"kernel": k})
 
 
 def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
