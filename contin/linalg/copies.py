@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.linalg.eigen import CONVERGED, Spectrum
+from contin.linalg.eigen import CONVERGED, SOLVED, Spectrum, orthonormal, outside
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
 
@@ -20,7 +20,6 @@ ROUNDS: Final = 64  # as many copies are looked for
 STEPS: Final = 24  # of Arnoldi's method for each; by then the nearest one has converged, or there is none
 ENOUGH: Final = 8  # ... after which a nearest one beyond the reach is believed
 SLACK: Final = 1.0 + 1e-3
-INDEPENDENT: Final = 1e-8
 ROUNDED: Final = 1e-5  # of a value: imaginary parts that rounding makes of several equal real ones
 ROUNDINGS: Final = 1e3  # rounding errors of the matrix: as large an imaginary part says nothing
 EPSILON: Final = float(np.finfo(float).eps)
@@ -30,24 +29,24 @@ SMALL: Final = 60  # unknowns of which all eigenvalues are computed
 
 def with_copies(linear: Linear, n: int, found: Spectrum, reach: float) -> Spectrum:
     """The spectrum with all further eigenvalues of modulus up to `reach`. Costs at least `ENOUGH` solves."""
-    basis = _orthonormal(np.hstack([found.vectors.real, found.vectors.imag]))
+    basis = orthonormal(np.vstack([found.vectors.real.T, found.vectors.imag.T]))
     images: Array | None = None
     for attempt in range(ROUNDS):
         x = _nearest(linear, n, basis, reach, attempt)
         if x is None:
             break
         if images is None:
-            images = np.column_stack([linear.solve(v) for v in basis.T])
-        fresh = _orthonormal(x, basis)
-        if not fresh.shape[1]:
+            images = np.array([linear.solve(v) for v in basis])
+        fresh = orthonormal(x, basis)
+        if not len(fresh):
             break
-        basis = np.hstack([basis, fresh])
-        images = np.hstack([images, np.column_stack([linear.solve(v) for v in fresh.T])])
+        basis = np.vstack([basis, fresh])
+        images = np.vstack([images, [linear.solve(v) for v in fresh]])
     if images is None or not np.all(np.isfinite(images)):
         return _split(found.values, found.vectors, found.certain, rounding_of(linear, n))
-    theta, ritz = np.linalg.eig(basis.T @ images)
+    theta, ritz = np.linalg.eig(basis @ images.T)
     order = np.argsort(-np.abs(theta))
-    return _split(1.0 / theta[order], basis @ ritz[:, order], found.certain, rounding_of(linear, n))
+    return _split(1.0 / theta[order], basis.T @ ritz[:, order], found.certain, rounding_of(linear, n))
 
 
 def kernel(linear: Linear, near: Array) -> Array:
@@ -56,14 +55,14 @@ def kernel(linear: Linear, near: Array) -> Array:
     Eigenvectors of equal eigenvalues may be almost the same vector; what A^-1 makes of a space is all of the kernel.
     """
     count, random = near.shape[1], np.random.default_rng(17)
-    basis = np.linalg.qr(near / norm(near) + random.normal(size=near.shape) / np.sqrt(near.size))[0]
+    basis = np.linalg.qr(near / norm(near) + random.normal(size=near.shape) / np.sqrt(near.size))[0].T
     for _ in range(INVERSE_STEPS):
-        image = np.column_stack([linear.solve(v) for v in basis.T])
-        fresh = _orthonormal(image) if np.all(np.isfinite(image)) else basis[:, :0]
-        if fresh.shape[1] < count:  # A is singular to the last digit
+        image = np.array([linear.solve(v) for v in basis])
+        fresh = orthonormal(image) if np.all(np.isfinite(image)) else image[:0]
+        if len(fresh) < count:  # A is singular to the last digit
             return near
         basis = fresh
-    return basis
+    return basis.T.copy()
 
 
 def every(matrix: Array) -> Spectrum:
@@ -91,14 +90,14 @@ def _split(values: Vector, vectors: Vector, certain: bool, rounding: float) -> S
 
 
 def _nearest(linear: Linear, n: int, basis: Array, reach: float, seed: int) -> Array | None:
-    """Real and imaginary part of the vector to the eigenvalue nearest to zero outside a space; None beyond `reach`."""
-    most = min(STEPS, n - basis.shape[1])
+    """Real and imaginary part (rows) of the vector to the eigenvalue nearest to zero outside a space, up to `reach`."""
+    most = min(STEPS, n - len(basis))
     if most < 1:
         return None
-    v = _outside(np.random.default_rng(100 + seed).normal(size=n), basis)
+    v = outside(np.random.default_rng(100 + seed).normal(size=n), basis)
     space, h = [v / norm(v)], np.zeros((most + 1, most))
     for k in range(most):
-        w = _outside(linear.solve(space[k]), basis)
+        w = outside(linear.solve(space[k], SOLVED), basis)
         if not np.all(np.isfinite(w)):
             return None
         block = np.array(space)
@@ -116,38 +115,8 @@ def _nearest(linear: Linear, n: int, basis: Array, reach: float, seed: int) -> A
             if not size * reach * SLACK >= 1.0:
                 return None
             x = block.T @ ritz[:, first]
-            return np.column_stack([x.real, x.imag])
+            return np.array([x.real, x.imag])
         if k + 1 >= ENOUGH and size * reach < 0.5:
             return None
         space.append(w / h[k + 1, k])
     return None
-
-
-def _outside(w: Array, basis: Array) -> Array:
-    for _ in range(2):
-        w = w - basis @ (basis.T @ w)
-    return w
-
-
-def _orthonormal(columns: Array, basis: Array | None = None) -> Array:
-    """Orthonormal columns that span the same, outside a basis; what depends on the others is left out.
-
-    Classical Gram-Schmidt, twice, on rows that lie one after the other in memory.
-    """
-    given = 0 if basis is None else basis.shape[1]
-    rows = np.empty((given + columns.shape[1], len(columns)))
-    if basis is not None:
-        rows[:given] = basis.T
-    count = given
-    for column in columns.T:
-        size = norm(column)
-        if not size > 0.0:
-            continue
-        w, kept = column / size, rows[:count]
-        for _ in range(2):
-            w = w - np.einsum("i,ij->j", np.einsum("ij,j->i", kept, w), kept)
-        left = norm(w)
-        if left > INDEPENDENT:
-            rows[count] = w / left
-            count += 1
-    return rows[given:count].T.copy()

@@ -25,11 +25,13 @@ if TYPE_CHECKING:
 FEWEST = 4  # eigenvalues that are always computed
 MARGIN = 1.3  # by which the radius exceeds what must be inside
 CONVERGED = 1e-4  # relative error of an eigenvalue, for detection
+SOLVED = 1e-6  # residual of a solve; that part of an eigenvalue is lost by it
 LARGEST_BASIS = 160
 DAVIDSON_STEPS = 3
 DAVIDSON_SETTLED = 0.1  # corrections below this make their eigenvectors accurate enough
 DAVIDSON_ACCURACY = 1e-2  # of eigenvectors; eigenvalues have its square
 FORESEEN = 0.1  # part of that below which a correction is not made that the last ones say to be as small
+INDEPENDENT = 1e-8  # part of a vector outside of others from which it is not one of their combinations
 TINY = float(np.finfo(float).tiny)
 MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
 
@@ -103,7 +105,7 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
     done = 0
     while True:
         for k in range(done, size):
-            w = linear.solve(basis[k])
+            w = linear.solve(basis[k], SOLVED)
             if not np.all(np.isfinite(w)):
                 return Spectrum(np.full(0, 0j), np.empty((n, 0), complex), False)
             block = basis[: k + 1]
@@ -149,55 +151,72 @@ def followed(
     and of the approximate inverse, of the latter none where `gain` says that nothing is left to correct.
     """
     wanted = vectors.shape[1]
-    basis = _orthonormal(np.hstack([vectors.real, vectors.imag]), np.empty((len(vectors), 0)))
-    images = np.column_stack([linear.apply(v) for v in basis.T])
+    basis = orthonormal(np.vstack([vectors.real.T, vectors.imag.T]))
+    images = np.array([linear.apply(v) for v in basis])
     settled = False
     for _ in range(DAVIDSON_STEPS + 1):
-        values, ritz = np.linalg.eig(basis.T @ images)
+        values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
         order = np.argsort(-values.real)[:wanted]
-        values, ritz = values[order], ritz[:, order]
-        right = basis @ ritz
+        values, ritz = values[order], ritz[:, order].T
         if settled:  # the last correction was small, and convergence is quadratic
             break
-        corrections: list[Array] = []
-        worst, waiting = 0.0, []
+        parts: list[Array] = []
         for k in np.flatnonzero(values.imag >= 0.0):
-            residual = images @ ritz[:, k] - values[k] * right[:, k]
-            parts = [residual.real] + ([residual.imag] if values[k].imag > 0.0 else [])
-            waiting.append((k, parts))
-        sizes = [norm(right[:, k]) for k, _ in waiting]
-        left = max(norm(r) / size for (_, parts), size in zip(waiting, sizes, strict=True) for r in parts)
+            residual = _combined(ritz[k], images) - values[k] * _combined(ritz[k], basis)
+            parts += [residual.real, residual.imag] if values[k].imag > 0.0 else [residual.real]
+        left = max(norm(r) for r in parts)
         if gain * left < FORESEEN * DAVIDSON_ACCURACY:
             break
-        made = precondition(np.column_stack([r for _, parts in waiting for r in parts]))
-        steps_of = iter((made - basis @ (basis.T @ made)).T)  # what the basis holds already corrects nothing
-        gain = 0.0
-        for (_, parts), length in zip(waiting, sizes, strict=True):
-            steps = [next(steps_of) for _ in parts]
-            size = max(norm(s) for s in steps) / length
-            gain = max(gain, *(norm(s) / max(norm(r), TINY) for s, r in zip(steps, parts, strict=True)))
-            worst = max(worst, size)
-            corrections += steps
-        if not corrections or basis.shape[1] + len(corrections) > len(basis):
+        steps = [outside(step, basis) for step in precondition(np.column_stack(parts)).T]
+        worst = max(norm(s) for s in steps)
+        gain = max(norm(s) / max(norm(r), TINY) for s, r in zip(steps, parts, strict=True))
+        if len(basis) + len(steps) > basis.shape[1]:
             break
-        fresh = _orthonormal(np.column_stack(corrections), basis)
-        if not fresh.shape[1]:
+        fresh = orthonormal(np.array(steps), basis)
+        if not len(fresh):
             break
-        basis = np.hstack([basis, fresh])
-        images = np.hstack([images, np.column_stack([linear.apply(v) for v in fresh.T])])
+        basis = np.vstack([basis, fresh])
+        images = np.vstack([images, [linear.apply(v) for v in fresh]])
         settled = worst < DAVIDSON_SETTLED
     near = np.argsort(np.abs(values))
-    return Spectrum(values[near].astype(complex), right[:, near].astype(complex), False), gain
+    right = np.array([_combined(ritz[k], basis) for k in near])
+    return Spectrum(values[near].astype(complex), right.T.astype(complex), False), gain
 
 
-def _orthonormal(columns: Array, basis: Array) -> Array:
-    """An orthonormal basis of what the columns add to a basis."""
-    size = np.linalg.norm(columns, axis=0)
-    columns = columns[:, size > 0.0] / size[size > 0.0]
+def _combined(weights: Vector, rows: Array) -> Vector:
+    """sum w_i rows_i; real weights cost half."""
+    if not np.iscomplexobj(weights) or not weights.imag.any():
+        return np.asarray(np.einsum("i,ij->j", weights.real, rows))
+    return np.asarray(np.einsum("i,ij->j", weights.real, rows) + 1j * np.einsum("i,ij->j", weights.imag, rows))
+
+
+def outside(w: Array, basis: Array) -> Array:
+    """What is left of w outside of the span of orthonormal rows; projected twice."""
     for _ in range(2):
-        columns = columns - basis @ (basis.T @ columns)
-    q, r = np.linalg.qr(columns)
-    return np.asarray(q[:, np.abs(np.diagonal(r)) > 1e-8])
+        w = w - np.einsum("i,ij->j", np.einsum("ij,j->i", basis, w), basis)
+    return w
+
+
+def orthonormal(vectors: Array, basis: Array | None = None) -> Array:
+    """Orthonormal rows that span the same, outside a basis; what depends on the others is left out.
+
+    Classical Gram-Schmidt, twice, on rows that lie one after the other in memory.
+    """
+    given = 0 if basis is None else len(basis)
+    rows = np.empty((given + len(vectors), vectors.shape[1]))
+    if basis is not None:
+        rows[:given] = basis
+    count = given
+    for vector in vectors:
+        size = norm(vector)
+        if not size > 0.0:
+            continue
+        w = outside(vector / size, rows[:count])
+        left = norm(w)
+        if left > INDEPENDENT:
+            rows[count] = w / left
+            count += 1
+    return rows[given:count].copy()
 
 
 def _without_half_pairs(values: Vector, count: int) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Vector
 from contin.linalg.balanced import Balanced
-from contin.linalg.bordered import Approximate, ApproximateBordered, bordered
+from contin.linalg.bordered import Approximate, ApproximateBordered, Solver, bordered
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, Accuracy, gmres
 from contin.linalg.tally import Tally
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
+ROUNDED = 1e-15  # relative residual below which rounding does not let it fall
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
 
 
@@ -48,8 +49,8 @@ class Linear(Protocol):
     def magnitude(self, x: Vector) -> Vector:
         """|A| x for x >= 0, or what is about as large: the scale of rounding errors in A x."""
 
-    def solve(self, right: Vector) -> Vector:
-        """A^-1 right."""
+    def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
+        """A^-1 right; iterative methods stop at this relative residual, or where they do without it."""
 
     def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
         """[A B; C^T D] with B = columns (n, k), C = rows (n, k), D = corner (k, k).
@@ -81,7 +82,7 @@ class DirectLinear:
     def magnitude(self, x: Vector) -> Vector:
         return np.asarray(abs(self.matrix) @ x)
 
-    def solve(self, right: Vector) -> Vector:
+    def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
         return self.factor.solve(right)
 
     def precondition(self, right: Vector) -> Vector:
@@ -103,8 +104,9 @@ class DirectLinear:
 class KrylovLinear:
     """An operator that is only applied; solved by GMRES with a preconditioner (an approximate inverse).
 
-    `precise` are factors of a nearby matrix where there are some, `exact` where they are this operator's own: then
-    borders are eliminated with them (BEMW). `matrix` is the operator's matrix, where it has one.
+    `precise` are factors of a nearby matrix where there are some, with which borders are eliminated (BEMW): `near`
+    where it is hardly another one, `fresh` where it is this one, `exact` where they are in double precision too, so
+    that nothing is iterated. `matrix` is the operator's matrix, where it has one.
     """
 
     sign = 1.0
@@ -113,18 +115,22 @@ class KrylovLinear:
         self,
         apply: Callable[[Vector], Vector],
         precondition: Callable[[Vector], Vector],
-        precise: Factor | None = None,
+        precise: Solver | None = None,
         exact: bool = False,
+        fresh: bool = False,
+        near: bool = False,
         matrix: csc_matrix = None,
         shift: complex = 0.0,
         tally: Tally | None = None,
     ) -> None:
         self.tally = tally
         self._apply, self.approximate, self._shift = apply, precondition, shift
-        self.precise, self.exact, self.matrix = precise, exact, matrix
+        self.precise, self.exact, self.fresh, self.matrix = precise, exact, fresh, matrix
+        self.near = near or fresh
         # Borders and bordered factors by the number of borders, shared with later points.
         self.borders: dict[int, tuple[Vector, object]] = {}
         self.iterations = 0  # of the worst solve so far: when it grows, the preconditioner is out of date
+        self.used = 0  # of all solves
 
     def apply(self, x: Vector) -> Vector:
         if np.iscomplexobj(x):
@@ -146,15 +152,21 @@ class KrylovLinear:
     def _finish(self, found: tuple[Vector, int, float], wanted: float = TOLERANCE) -> Vector:
         x, used, residual = found
         self.iterations = max(self.iterations, used)
+        self.used += used
         return x if residual <= max(ACCURATE, wanted) else np.full_like(x, np.nan)
 
-    def solve(self, right: Vector) -> Vector:
+    @property
+    def attainable(self) -> float:
+        """The residual of solutions from which others are computed: that of rounding, with factors from near."""
+        return ROUNDED if self.near else TOLERANCE
+
+    def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
         if self.exact and self.precise is not None:
             return self.precise.solve(right)
-        return self._finish(gmres(self.apply, self.precondition, right))
+        return self._finish(gmres(self.apply, self.precondition, right, tolerance or self.attainable))
 
     def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
-        return KrylovBordered(self, columns, rows, corner, COARSE if coarse else TOLERANCE)
+        return KrylovBordered(self, columns, rows, corner, COARSE if coarse else self.attainable)
 
     def shifted(self, shift: complex) -> Linear:
         if self.matrix is not None:

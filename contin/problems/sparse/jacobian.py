@@ -14,6 +14,7 @@ from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
+from contin.problems.sparse.old_factors import OldFactors
 from contin.systems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
 from contin.systems.functions.function_system import FunctionSystem
 from contin.systems.functions.guarded import called, vector
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
-OUT_OF_DATE = 7  # GMRES iterations from which old factors are renewed
 WORSE = 1.5  # ratio of GMRES iterations to those of a new preconditioner from which the user's is made anew, ...
 MORE = 3  # ... and as many beside
 STRONG = 20  # GMRES iterations (to eleven digits) up to which a new preconditioner is nearly an inverse
@@ -44,6 +44,7 @@ class JacobianSource:
         self.system = system
         self.factoriser = Factoriser()
         self._last: KrylovLinear | None = None
+        self._old = OldFactors(self.factoriser)
         self._held: Held | None = None  # the user's preconditioner, ...
         self._before: Held | None = None  # ... and the one that it replaced, as long as it is not known to be better
         model = system.model
@@ -59,27 +60,12 @@ class JacobianSource:
             if self.system.model.preconditioner is not None:
                 return self._preconditioned(matrix, u, p)
             cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
-            return DirectLinear(matrix, self.factoriser) if cheap else self._lagged(matrix)
+            return DirectLinear(matrix, self.factoriser) if cheap else self._old.at(matrix, np.append(u, p))
         return self._matrix_free(u, p)
 
     def forget(self) -> None:
         """The next operator is factored, whatever the last one was."""
-        self._last = None
-
-    def _lagged(self, matrix: csc_matrix) -> KrylovLinear:
-        """Solved by GMRES with the factors of an earlier point, which are renewed when that takes long."""
-        last, exact = self._last, False
-        if last is None or last.iterations > OUT_OF_DATE or last.precise is None:
-            factor, exact = self.factoriser.factor(matrix), True
-        else:
-            factor = last.precise
-        fresh = KrylovLinear(
-            lambda v: np.asarray(matrix @ v), factor.solve, factor, exact, matrix, tally=self.factoriser.tally
-        )
-        if last is not None and not exact:
-            fresh.borders = last.borders
-        self._last = fresh
-        return fresh
+        self._old.forget()
 
     def _preconditioned(self, matrix: csc_matrix, u: Array, p: Array) -> KrylovLinear | None:
         """Solved by GMRES with the user's preconditioner of an earlier point, as long as it serves well."""

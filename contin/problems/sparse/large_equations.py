@@ -67,7 +67,7 @@ class LargeEquations(InOneParameterProblem):
     def precisely(self, z: Array) -> Linear | None:
         """`linear`, with factors of its own where it has some: for what is computed at one place, many times."""
         linear = self.linear(z)
-        if isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.exact:
+        if isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.near:
             self.source.forget()
             self.work.z = None
             linear = self.linear(z)
@@ -123,7 +123,7 @@ class LargeEquations(InOneParameterProblem):
             return every(linear.matrix.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
         radius = 0.0
-        old = self._old_inverse(linear)
+        old = None if at_zero else self._old_inverse(linear)
         if old is not None and work.vectors is not None:
             found, work.gain = followed(linear, old, work.vectors, work.gain)
             work.vectors = found.vectors
@@ -149,7 +149,7 @@ class LargeEquations(InOneParameterProblem):
 
     def _old_inverse(self, linear: Linear) -> Callable[[Array], Array] | None:
         """About A^-1 times columns, from factors or a preconditioner of an earlier point; None where there is none."""
-        if not isinstance(linear, KrylovLinear) or linear.exact:
+        if not isinstance(linear, KrylovLinear) or linear.fresh:
             return None
         if linear.precise is not None:
             return linear.precise.solve

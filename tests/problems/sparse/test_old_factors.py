@@ -5,8 +5,10 @@ import pytest
 import scipy.sparse as sp
 
 import contin
+from contin.linalg.factor import Factoriser
 from contin.linalg.krylov import Accuracy, gmres
 from contin.problems.sparse import jacobian as source
+from contin.problems.sparse.old_factors import WORTH, OldFactors
 
 
 def plate(n):
@@ -52,3 +54,44 @@ def test_an_accuracy_of_solutions_is_met_whatever_the_units_of_the_equations(sti
         assert np.linalg.norm(x - exact) <= 2.0 * wanted * np.linalg.norm(exact)
         _, all_of_them, _ = gmres(lambda v: matrix @ v, lambda v: inverse @ v, matrix @ exact, 1e-14)
         assert used < all_of_them
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1.0, 1e200])
+def test_factors_in_single_precision_serve_matrices_of_any_unit_and_refuse_what_they_cannot_hold(unit):
+    n = 400
+    line = sp.diags([np.ones(n - 1), -2.0 * np.ones(n), np.ones(n - 1)], [-1, 0, 1])
+    matrix = (unit * (line + sp.diags(0.01 * np.ones(n)))).tocsc()
+    right = unit * np.random.default_rng(1).normal(size=n)
+    factors = Factoriser().rough(matrix)
+    for transposed in (False, True):
+        x = factors.solve_transposed(right) if transposed else factors.solve(right)
+        assert np.linalg.norm((matrix @ x - right) / unit) <= 1e-3 * np.linalg.norm(right / unit)
+    hard = (matrix @ sp.diags(np.logspace(0.0, -44.0, n))).tocsc()
+    assert Factoriser().rough(hard) is None
+
+
+def test_what_single_precision_cannot_hold_is_followed_with_double(monkeypatch):
+    """Both ways give the same points and the same fold."""
+    single = followed(40, 100, monkeypatch)
+    monkeypatch.setattr(Factoriser, "rough", lambda self, matrix: None)
+    double = followed(40, 100, monkeypatch)
+    a, b = single["LP1"], double["LP1"]
+    assert abs(a.values["lam"] - b.values["lam"]) <= a.error + b.error + 1e-13
+    assert a.normal_form["a"] == pytest.approx(b.normal_form["a"], rel=1e-9)
+    np.testing.assert_allclose(single.columns["lam"], double.columns["lam"], atol=1e-3)
+
+
+def test_new_factors_are_made_where_they_pay():
+    """GMRES iterations a point 1, 2, 3, ...: new factors cost `WORTH`, and come before the mean grows with them."""
+    n = 50
+    matrix = sp.identity(n, format="csc") * 2.0
+    made = OldFactors(Factoriser())
+    intervals, last = [], 0
+    for k in range(200):
+        operator = made.at(matrix, np.array([float(k + 1)]))
+        if operator.fresh:
+            intervals.append(k - last)
+            last = k
+        operator.used = k - last
+    best = np.sqrt(2.0 * WORTH)  # the least of (WORTH + k^2/2) / k
+    assert all(abs(i - best) <= 2.0 for i in intervals[1:])
