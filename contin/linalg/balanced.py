@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.linalg.factor import Factor, Factoriser
@@ -39,12 +40,12 @@ class Balanced:
         place = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
         rows, columns = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
         sizes = np.abs(matrix.data)
+        by_row = np.argsort(matrix.indices, kind="stable")
+        first = np.concatenate([[0], np.cumsum(np.bincount(matrix.indices, minlength=len(rows)))])
         for _ in range(SWEEPS):
             left = sizes * rows[matrix.indices] * columns[place]
-            across, down = np.zeros(len(rows)), np.zeros(len(columns))
-            np.maximum.at(across, matrix.indices, left)
-            np.maximum.at(down, place, left)
-            row_factors, column_factors = _inverse_roots(across), _inverse_roots(down)
+            row_factors = _inverse_roots(_largest(left[by_row], first))
+            column_factors = _inverse_roots(_largest(left, matrix.indptr))
             rows *= row_factors
             columns *= column_factors
             if max(_spread(row_factors), _spread(column_factors)) <= ALIKE:
@@ -58,6 +59,15 @@ class Balanced:
 
     def solve_transposed(self, right: Vector) -> Vector:
         return np.asarray(self.rows * self.inner.solve_transposed(self.columns * right))
+
+
+def _largest(values: Array, first: NDArray[np.intp]) -> Array:
+    """The largest of every group of values, the k-th from first[k] to first[k + 1]; 0 of an empty one."""
+    found = np.zeros(len(first) - 1)
+    filled = np.diff(first) > 0
+    if filled.any():  # an empty group would be given the value that follows it
+        found[filled] = np.maximum.reduceat(values, first[:-1][filled])
+    return found
 
 
 def _inverse_roots(sizes: Array) -> Array:

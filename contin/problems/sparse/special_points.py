@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 SECANT_BUDGET = 10
 TRIAL = 1e-4  # first step of the secant method (scaled arclength)
 PERTURBATION = 1e-9
+NOISE = 1e-7  # of a correction that rounding may be, on long connecting orbits
 ACCURACY = 1e-13  # of the last Newton correction (or where rounding stops it)
 SAMPLES = 2
 RESIDUAL_LIMIT = 1e-7
@@ -97,6 +98,8 @@ def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Ar
     """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
     y = (guess - base.z) / frame.scale
     found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
+    if found is Failure.NO_CONTRACTION:  # from a guess that is as good as rounding allows, every correction is noise
+        found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, NOISE)
     if isinstance(found, Failure):
         return None
     t = found.last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
