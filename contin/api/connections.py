@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -75,23 +76,25 @@ def connection(
     if pulses is not None:
         return _of_pulses(origin, pulses)
     if isinstance(first, SpecialPoint) or isinstance(last, SpecialPoint):
-        options = {"samples": samples, "reversor": reversor, "truncation": truncation}
-        given = [word for word, value in options.items() if value is not None]
-        if given or isinstance(origin, SpecialPoint):
-            raise InputError(f"a connecting orbit to a cycle: leave out `{given[0] if given else 'from'}`")
-        return _with_cycles(origin, first, last, parameters)
+        if reversor is not None or isinstance(origin, SpecialPoint):
+            raise InputError(f"a connecting orbit to a cycle: leave out `{'from' if reversor is None else 'reversor'}`")
+        found = _with_cycles(origin, first, last, parameters)
+        path = None if samples is None else Path(np.asarray(samples[0], float), np.asarray(samples[1], float))
+        return replace(found, path=path, truncation=truncation or found.truncation)
     if isinstance(origin, SpecialPoint) and reversor is not None:
         raise InputError("a symmetric connecting orbit starts from a model and `samples`, not from a periodic orbit")
     if isinstance(origin, SpecialPoint):
         return _of_orbit(origin, first, last, samples, truncation)
     need_time(origin, "connecting orbits")
-    found = _saddles(origin, first, last, parameters)
+    saddles = _saddles(origin, first, last, parameters)
     path = None if samples is None else Path(np.asarray(samples[0], float), np.asarray(samples[1], float))
-    system = system_of_orbits(found[0].system)
+    system = system_of_orbits(saddles[0].system)
     if not isinstance(system, CompiledSystem):
         raise InputError("connecting orbits need a flow given by formulas")
-    symmetric = None if reversor is None else reversor_of(system, found[0].p, _images(origin, reversor))
-    return ConnectingOrbit(system, found[0].p, np.array([saddle.u for saddle in found]), path, truncation, symmetric)
+    symmetric = None if reversor is None else reversor_of(system, saddles[0].p, _images(origin, reversor))
+    return ConnectingOrbit(
+        system, saddles[0].p, np.array([saddle.u for saddle in saddles]), path, truncation, symmetric
+    )
 
 
 def _images(model: Model, reversor: Mapping[str, str | float]) -> dict[str, Expression]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import InputError
 from contin.linalg.vectors import norm
-from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.sparse.reduced_equation import Reduced
 from contin.problems.sparse.special_points import secant
@@ -222,9 +221,9 @@ def _on_finer_mesh(
     """The parameter of the same point where every interval is halved."""
     h = np.repeat(0.5 * mesh.h, 2)
     if type_ == "LP":
-        there = on_half_lengths(problem, replace(near, z=mesh.full(x)), frame)
-        found = unverified("LP", "") if there is None else _fold(problem, *there)
-        return None if isinstance(found, Rejected) else float(found.x[-1])
+        there = problem.refined(replace(near, z=mesh.full(x)), frame)
+        fold = None if there is None else _fold(cast("BoundaryEquations", there[0]), *there[1:])
+        return None if fold is None or isinstance(fold, Rejected) else float(fold.x[-1])
     finer = OnMesh(problem, h)
     old = mesh.profile(x).on_mesh(h)
     sizes = problem.sizes(near.z, frame.scale)

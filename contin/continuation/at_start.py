@@ -51,7 +51,8 @@ def _met(departure: Departure, target: Wanted, ends: tuple[Sample, Sample] | Non
     elif isinstance(target, Target):
         if float(target.values(problem, start.z[None])[0]) == target.value:
             point = departure.here[0].point if departure.here else start
-            yield Found(0.0, Verified("UZ", start.z, 0.0, 0.0, point.eigenvalues, point.unstable), start)
+            error = target.error(stretch, start)
+            yield Found(0.0, Verified("UZ", start.z, 0.0, error, point.eigenvalues, point.unstable), start)
         elif ends is not None:
             a, b = (float(target.values(problem, end.z[None])[0]) - target.value for end in ends)
             found = target.locate(stretch, ends[0].z, ends[1].z) if a * b < 0.0 else None

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from math import sqrt
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError, NoSolutionError
+from contin.homoclinic.from_table import Path
 from contin.homoclinic.guesses import until_lost
 from contin.machine import elementary
 from contin.problems.orbits.rests_and_cycles import Cycle, Rest
@@ -35,6 +37,8 @@ MOST: Final = 5
 CLOSE: Final = 1e-3  # of the extent: nearer it is not looked for by trajectories
 SHRUNK: Final = 0.4
 NARROWEST: Final = 1e-4  # of the spacing of starts
+ALIKE: Final = 1e-8  # of the way from start to finish: starts as near are one
+CUT: Final = 1e-2  # of the extent: samples nearer to an equilibrium are left away
 WAIT: Final = 1.5  # turns that a better start may arrive later
 
 
@@ -51,9 +55,12 @@ class Approach:
     gap: float  # of the extent
     rank: float
     departure: Departure | None = None
+    samples: Path | None = None
 
     def path(self, s: Array) -> Array:
         """States at scaled times."""
+        if self.samples is not None:
+            return self.samples.at(s)
         if self.time <= 0.0:
             return np.tile(self.start, (len(s), 1))
         return np.asarray(integrate(self.system, self.start, self.p, self.time * (1 + 1e-12), times=s * self.time).u)
@@ -68,7 +75,31 @@ def approaches(system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest
             "no trajectory that leaves the first end comes near the second one: change the parameters so that they do"
         )
     best = _apart(sorted(found, key=lambda one: one.rank))
-    return [_in_phase(one, first, last) for one in sorted(map(seen.nearer, best), key=lambda one: one.rank)]
+    nearest = _apart(sorted(map(seen.nearer, best), key=lambda one: one.rank))
+    return [_in_phase(one, first, last) for one in nearest]
+
+
+def of_samples(system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest | Cycle, path: Path) -> Approach:
+    """Samples of an orbit from the one end to the other, whose own ends are somewhere near them."""
+    path = path.checked(system.n)
+    extent = np.ptp(path.states, axis=0)
+    sizes = np.maximum(extent, 1e-3 * float(extent.max()))
+    path = _without_rests(path, first, last, sizes)
+    gaps, phases = [], []
+    for end, state in ((first, path.states[0]), (last, path.states[-1])):
+        near = end.u[None] if isinstance(end, Rest) else end.states
+        apart = np.linalg.norm((near - state) / sizes, axis=1)
+        gaps.append(float(apart.min()) / sqrt(system.n))
+        phases.append(float(end.times[int(np.argmin(apart))]) if isinstance(end, Cycle) else 0.0)
+    for words, gap in zip(("begins", "ends"), gaps, strict=True):
+        if gap > FARTHEST:
+            raise NoSolutionError(
+                f"the orbit given {words} at {gap:.2g} of its extent from its end: samples must lead from the first "
+                "end to the second one"
+            )
+    start, finish, time = path.states[0], path.states[-1], float(path.times[-1] - path.times[0])
+    one = Approach(system, p, start, finish, time, (phases[0], phases[1]), max(gaps), 0.0, samples=path)
+    return _in_phase(one, first, last)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,11 +195,17 @@ def _apart(found: list[Approach]) -> list[Approach]:
     """The best ones, at most `MOST`; of those that leave alike the best."""
     kept: list[Approach] = []
     for one in found:
-        if not any(one.start is other.start and abs(one.time - other.time) < 0.1 * one.time for other in kept):
+        if not any(_alike(one, other) for other in kept):
             kept.append(one)
         if len(kept) == MOST:
             break
     return kept
+
+
+def _alike(one: Approach, other: Approach) -> bool:
+    """True of two that leave alike and take as long."""
+    starts = float(np.max(np.abs(one.start - other.start))) <= ALIKE * float(np.max(np.abs(one.start - one.finish)))
+    return starts and abs(one.time - other.time) < 0.1 * one.time
 
 
 def _longest(first: Rest | Cycle, last: Rest | Cycle) -> float:
@@ -190,6 +227,18 @@ def _rate(cycle: Cycle) -> float:
 def _leaving(cycle: Cycle) -> float:
     """Distance at which orbits leave it: LEAVING, and farther where that takes more than `TURNS` periods."""
     return max(LEAVING, float(elementary.exp(-TURNS * _rate(cycle))))
+
+
+def _without_rests(path: Path, first: Rest | Cycle, last: Rest | Cycle, sizes: Array) -> Path:
+    """Samples without those so near to an equilibrium that their digits tell no direction."""
+    begins, ends = 0, len(path.times)
+    if isinstance(first, Rest):
+        away = np.linalg.norm((path.states - first.u) / sizes, axis=1) > CUT
+        begins = int(np.argmax(away))
+    if isinstance(last, Rest):
+        away = np.linalg.norm((path.states - last.u) / sizes, axis=1) > CUT
+        ends -= int(np.argmax(away[::-1]))
+    return Path(path.times[begins:ends], path.states[begins:ends]).checked(path.states.shape[1])
 
 
 def _departures(first: Rest | Cycle, sizes: Array) -> Iterator[Departure]:

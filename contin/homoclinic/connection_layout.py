@@ -25,7 +25,6 @@ class Gauge:
     vectors: dict[str, Array] = field(default_factory=dict)
 
 
-
 @dataclass(frozen=True, eq=False)
 class ConnectionLayout(CurveOfOrbits):
     """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1.

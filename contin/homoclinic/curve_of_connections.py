@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     pass
 
 
-
-
 @dataclass(frozen=True, eq=False)
 class CurveOfConnections(MarchedInPython):
     """See `contin.homoclinic.equations` for the unknowns and equations."""

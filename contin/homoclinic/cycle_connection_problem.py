@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -13,21 +13,46 @@ from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.functionals import columns_of
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Sample
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample
 from contin.continuation.settings import Settings
+from contin.homoclinic.bent_manifolds import bends
+from contin.homoclinic.hyperbolic_ends import beyond
 from contin.linalg.newton import Rules, by_steps
 from contin.linalg.vectors import norm
 from contin.machine import elementary
+from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import OnAdaptiveMesh
+from contin.symbolic.passes.connecting import MISS
 
 if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
     from contin.model.model import Model
 
 UNBOUNDED = (-np.inf, np.inf)
 NEWTON = Rules(settled=1e-11, stalled=1e-7, budget=15)
 PART = 1e-3  # of a mode, in the states' sizes
 CHUNK = 5  # a step takes some 50 ms
+
+
+def vectors(names: Sequence[str]) -> Iterator[tuple[int, list[tuple[int, int]]]]:
+    """Functions that are the parts of one vector, with the places of the states that they belong to.
+
+    Before them 1 where they are measured as the states are, -1 where in the inverse of that (adjoint modes).
+    """
+    groups: dict[tuple[int, str], list[tuple[int, int]]] = {}
+    states = [name for name in names if ":" not in name]
+    for k, name in enumerate(names):
+        first, _, end = name.partition(":")
+        if end.startswith("w"):
+            groups.setdefault((-1, end), []).append((k, names.index(first)))
+        elif end.startswith("saddle"):
+            groups[1, name] = [(k, names.index(first)), (names.index(first), names.index(first))]
+        elif first.startswith("v") and end in ("1", "2"):
+            row, column = first[1:-1], first[-1]
+            groups.setdefault((1, f"v{column}:{end}"), []).append((k, names.index(states[int(row)])))
+    for (power, _), pairs in groups.items():
+        yield power, pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,18 +70,16 @@ class Isolated(BoundaryProblem):
         return [t / size] if np.isfinite(size) else super().tangents(z, scale)
 
     def natural_sizes(self, z: Array, profile: Profile, width: float) -> Array:
-        """No component of a mode is smaller than a part of the mode: some vanish (of driven flows), to rounding."""
+        """No part of a mode, an eigenvector or an equilibrium is smaller than a part of the whole, or of the state.
+
+        Some vanish (of driven flows, in invariant planes), to rounding, which says nothing of their size.
+        """
         sizes = super().natural_sizes(z, profile, width)
         seen, names = np.abs(profile.u).max(axis=0), self.two.names
-        modes: dict[str, list[tuple[int, int]]] = {}
-        for k, name in enumerate(names[: self.two.n_states]):
-            state, _, mark = name.partition(":")
-            if mark.startswith("w"):
-                modes.setdefault(mark, []).append((k, names.index(state)))
-        for pairs in modes.values():
+        for power, pairs in vectors(names):
             own, of = np.array([k for k, _ in pairs]), np.array([j for _, j in pairs])
-            largest = float(np.max(seen[own] * sizes[of]))
-            sizes[own] = np.maximum(sizes[own], PART * largest / sizes[of])
+            units = sizes[of] ** power
+            sizes[own] = np.maximum(sizes[own], PART * float(np.max(seen[own] / units)) * units)
         return sizes
 
 
@@ -73,9 +96,9 @@ class Homotopy(Isolated):
 
 @dataclass(frozen=True, eq=False)
 class ConnectionToCycle(Isolated):
-    """One parameter varies; `user` is the model whose orbits these are, `cycles` the ends (1, 2) that are cycles."""
+    """One parameter varies; `flow` is the system whose orbits these are, `cycles` the ends (1, 2) that are cycles."""
 
-    user: Model | None = None
+    flow: CompiledSystem | None = None
     cycles: tuple[int, ...] = ()
 
     kind = "connection"
@@ -83,8 +106,8 @@ class ConnectionToCycle(Isolated):
 
     @property
     def model(self) -> Model:
-        assert self.user is not None
-        return self.user
+        assert self.flow is not None
+        return self.flow.model
 
     @property
     def has_stability(self) -> bool:
@@ -107,6 +130,23 @@ class ConnectionToCycle(Isolated):
         """The connecting orbit alone, with its time."""
         whole, n = self.profile(z), len(self.model.state_names)
         return replace(whole, u=whole.u[:, :n].copy(), period=self.time(z))
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        """On a mesh of half the lengths, the ends on their manifolds to second order (see `bends`)."""
+        bent = self.base.copy()
+        bent[self.two.parameters.index(MISS)] = 1.0
+        for name, value in bends(self, sample.z).items():
+            bent[self.two.parameters.index(name)] = value
+        own = replace(self, base=bent, spaces={})
+        found = on_half_lengths(own, sample, frame)
+        return None if found is None else (own, *found)
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        for k, row in enumerate(z):
+            text = beyond(self, row[~np.isnan(row)])
+            if text is not None:
+                return k, text
+        return None
 
     def time(self, z: Array) -> float:
         """Of the connecting orbit between its ends."""

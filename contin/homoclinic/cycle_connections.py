@@ -1,9 +1,10 @@
 """Connecting orbits with a cycle at one end or both: found from trajectories, by homotopy.
 
 1.  Trajectories leave the equilibrium (the cycle) along its unstable directions; the nearest approach to the other end
-    is a solution of the boundary-value problem with a miss. That is taken to zero with one parameter free, or, where
-    connections persist, with the direction in which the orbit leaves.
+    (or samples) is a solution of the boundary-value problem with a miss. That is taken to zero with one parameter free,
+    or, where connections persist, with the direction in which the orbit leaves.
 2.  The time is made longer, so that the orbit comes nearer to the cycle.
+3.  Distances that the conditions hold, from equilibria and from the cycle that it leaves, are made as small.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError, NoSolutionError
-from contin.homoclinic.approach import Approach, approaches
+from contin.homoclinic.approach import Approach, approaches, of_samples
 from contin.homoclinic.cycle_connection_problem import ConnectionToCycle, CurveOfConnections, Homotopy
+from contin.homoclinic.from_table import Path
 from contin.machine import elementary
 from contin.model.advice import place_of_parameter
 from contin.problems.orbits.mesh.adaption import choose_mesh
@@ -49,8 +51,9 @@ PER_TURN: Final = 25  # ... more for each turn as long as the cycle
 POINTS: Final = 4
 GUESSED: Final = 1e-4  # error of the first mesh: tables of modes are no smoother
 HOME: Final = 60  # steps of a homotopy
-NEAR: Final = 1e-4  # of the cycle's extent, that the orbit's end comes to it
+NEAR: Final = 1e-4  # of the cycle's extent (the orbit's, from an equilibrium), that the orbit's end comes to it
 ENOUGH: Final = 1e-2  # ... with which it is content where it comes no nearer
+HELD: Final = 3.0  # times as far as that a distance that is held may be
 LONGEST: Final = 40.0  # periods by which the orbit is made longer at most
 
 
@@ -62,6 +65,8 @@ class CycleConnection:
     p: Array
     first: Rest | Cycle
     last: Rest | Cycle
+    path: Path | None = None  # samples of the orbit
+    truncation: float = NEAR  # see there
 
     @property
     def saddles(self) -> Array:
@@ -114,8 +119,8 @@ class CycleConnection:
     def _found(self, parameters: tuple[str, ...]) -> Seed:
         for name in parameters:
             place_of_parameter(name, self.system.parameter_names)
-        failures = []
-        for one in approaches(self.system, self.p, self.first, self.last):
+        failures, ends = [], (self.system, self.p, self.first, self.last)
+        for one in approaches(*ends) if self.path is None else [of_samples(*ends, self.path)]:
             try:
                 return self._brought(one, parameters)
             except ContinError as error:
@@ -129,18 +134,50 @@ class CycleConnection:
         values = self._values(approach)
         base = np.array([values[name] for name in two.parameters])
         problem: BoundaryProblem = Homotopy(two, base, two.parameters.index(MISS))
-        z = solved(problem, self._guess(problem, approach, values))
+        z = self._guess(problem, approach, values).vector()
         z = _followed(problem, z, (0.0, 2.0), -1, f"step 1 of the homotopy (the miss of {approach.gap:.2g} to zero)")
         problem, z = problem.with_active(TIME, z), _at(z, values[TIME])
-        problem, z = self._lengthened(problem, z)
+        held = self._held(problem, z, values)
+        problem, z = self._lengthened(problem, z, held)
+        for name, (distance, wanted, _) in held.items():
+            problem, z = problem.with_active(name, z), _at(z, distance)
+            what = f"step 3 of the homotopy (the distance {distance:.2g} that is held, to {wanted:.2g})"
+            z = _followed(problem, z, (wanted, 1.1 * distance), -1, what)
         return self._in_parameters(problem, z, parameters)
 
-    def _lengthened(self, problem: BoundaryProblem, z: Array) -> tuple[BoundaryProblem, Array]:
-        """Step 2, as far as it goes."""
+    def _held(
+        self, problem: BoundaryProblem, z: Array, values: dict[str, float]
+    ) -> dict[str, tuple[float, float, float]]:
+        """Distances that the conditions hold and are too large: their values, those wanted, periods that this takes."""
+        n, u = self.system.n, problem.profile(z).u
+        extent, held = float(np.linalg.norm(np.ptp(u[:, :n], axis=0))), {}
+        clock = next(end.period for end in (self.first, self.last) if isinstance(end, Cycle))
+        for place, end in ((1, self.first), (2, self.last)):
+            distance = values.get(f"{DISTANCE}{place}", 0.0)
+            if isinstance(end, Rest):
+                rates = np.linalg.eigvals(end.matrix).real
+                rate = float(np.min(np.abs(rates[rates > 0.0 if place == 1 else rates < 0.0]))) * clock
+            elif place == 1 and isinstance(self.last, Cycle):
+                rate = min(abs(float(elementary.log(abs(m)))) for m in end.outside(True))
+                extent = float(np.linalg.norm(np.ptp(end.states, axis=0)))
+            else:
+                continue
+            wanted = self.truncation * extent
+            if distance > HELD * wanted:
+                held[f"{DISTANCE}{place}"] = distance, wanted, float(elementary.log(distance / wanted)) / rate
+        return held
+
+    def _lengthened(
+        self, problem: BoundaryProblem, z: Array, held: dict[str, tuple[float, float, float]]
+    ) -> tuple[BoundaryProblem, Array]:
+        """Step 2, as far as it goes; with the time that step 3 will need."""
         gap, rate = self._gap(problem, z)
-        if gap <= NEAR:
+        more = sum(periods for *_, periods in held.values())
+        if gap > self.truncation:
+            more += float(elementary.log(gap / (0.3 * self.truncation))) / rate
+        if more == 0.0:
             return problem, z
-        more = min(float(elementary.log(gap / (0.3 * NEAR))) / rate, LONGEST)
+        more = min(more, LONGEST)
         at = float(z[-1])
         try:
             return problem, _followed(problem, z, (at, at + more), 1, "step 2 of the homotopy (a longer time)")
@@ -174,9 +211,9 @@ class CycleConnection:
         if own.further == 0:
             one = ConnectionToCycle(
                 two, np.array([values[name] for name in two.parameters]), two.parameters.index(first),
-                user=self.system.model, cycles=cycles,
+                flow=self.system, cycles=cycles,
             )  # fmt: skip
-            return Seed(one, replace(profile, parameter=values[first]).vector())
+            return Seed(one, solved(one, replace(profile, parameter=values[first])))
         second = parameters[1]
         turned = two_point(own.model, (*own.free, second))
         column = two.n_states + two.free.index(first)
@@ -185,9 +222,9 @@ class CycleConnection:
         u[:, column] = values[second]
         base = np.array([values[name] for name in turned.parameters])
         curve = CurveOfConnections(
-            turned, base, turned.parameters.index(first), user=self.system.model, cycles=cycles, second=second
+            turned, base, turned.parameters.index(first), flow=self.system, cycles=cycles, second=second
         )
-        return Seed(curve, replace(profile, u=u, parameter=values[first]).vector())
+        return Seed(curve, solved(curve, replace(profile, u=u, parameter=values[first])))
 
     # -- the guess -----------------------------------------------------------------------------------------------------
 
@@ -262,6 +299,7 @@ def _at(z: Array, value: float) -> Array:
 def _followed(problem: BoundaryProblem, z: Array, bounds: tuple[float, float], sense: int, what: str) -> Array:
     """The solution at the bound to which the parameter of the homotopy goes; NoSolutionError, with its step."""
     settings = Settings(steps=HOME)
+    z = solved(problem, problem.profile(z))  # on a mesh that resolves it
     branch = trace(Seed(problem, z, arms=(sense,)), bounds, settings=settings)
     end, row = branch.ends[1 if sense > 0 else 0], branch.z[-1 if sense > 0 else 0]
     row = row[~np.isnan(row)]

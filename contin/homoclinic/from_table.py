@@ -25,6 +25,27 @@ class Path:
     times: Array
     states: Array
 
+    def checked(self, n: int) -> Path:
+        """As arrays; InputError where they are no samples of an orbit in n dimensions."""
+        t, u = np.asarray(self.times, dtype=float), np.asarray(self.states, dtype=float)
+        if t.ndim != 1 or u.shape != (len(t), n) or len(t) < 8 or not np.all(np.diff(t) > 0.0):
+            raise InputError(
+                f"samples of a connecting orbit: at least 8 growing times and as many states of {n} components; got "
+                f"shapes {t.shape} and {u.shape}"
+            )
+        if not np.all(np.isfinite(u)):
+            raise InputError("samples of a connecting orbit must be finite")
+        if float(np.ptp(u, axis=0).max()) == 0.0:
+            raise InputError("samples of a connecting orbit: all states are the same")
+        return Path(t, u)
+
+    def at(self, s: Array) -> Array:
+        """States between the samples, at scaled times."""
+        from scipy.interpolate import PchipInterpolator
+
+        clock = (self.times - self.times[0]) / (self.times[-1] - self.times[0])
+        return np.asarray(PchipInterpolator(clock, self.states, axis=0)(np.clip(s, 0.0, 1.0)))
+
 
 def as_profile(path: Path, between: Between, parameter: float) -> Profile:
     """The part of the samples that leads from the first saddle to the second one.
@@ -32,18 +53,10 @@ def as_profile(path: Path, between: Between, parameter: float) -> Profile:
     Of a closed orbit (first and last sample alike, away from the saddle) it begins and ends where that is nearest to
     the saddle. Intervals of equal parts of the way in time and in space follow fast and slow stretches.
     """
-    t, u = np.asarray(path.times, dtype=float), np.asarray(path.states, dtype=float)
-    if t.ndim != 1 or u.shape != (len(t), between.system.n) or len(t) < 8 or not np.all(np.diff(t) > 0.0):
-        raise InputError(
-            f"samples of a connecting orbit: at least 8 growing times and as many states of "
-            f"{between.system.n} components; got shapes {t.shape} and {u.shape}"
-        )
-    if not np.all(np.isfinite(u)):
-        raise InputError("samples of a connecting orbit must be finite")
+    path = path.checked(between.system.n)
+    t, u = path.times, path.states
     sizes, (u0, u1) = between.sizes, between.saddles
     extent = float(np.max(np.ptp(u, axis=0) / sizes))
-    if extent == 0.0:
-        raise InputError("samples of a connecting orbit: all states are the same")
     from_first = np.max(np.abs(between.apart(u, u0)) / sizes, axis=1) / extent
     closed = float(np.max(np.abs(between.apart(u[-1], u[0])) / sizes)) < CLOSED * extent
     nearest = int(np.argmin(from_first))
@@ -73,13 +86,10 @@ def _rolled(t: Array, u: Array, first: int) -> tuple[Array, Array]:
 
 
 def laid(t: Array, u: Array, sizes: Array, parameter: float) -> Profile:
-    from scipy.interpolate import PchipInterpolator
-
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(u / sizes, axis=0), axis=1))])
     clock = (t - t[0]) / (t[-1] - t[0])
     progress = 0.5 * (clock + way / way[-1])
     edges = np.interp(np.linspace(0.0, 1.0, FIRST + 1), progress, clock)
     h = np.diff(edges)
     empty = Profile(4, np.empty((4 * FIRST + 1, u.shape[1])), float(t[-1] - t[0]), h / h.sum(), parameter)
-    values = np.asarray(PchipInterpolator(clock, u, axis=0)(np.clip(empty.times, 0.0, 1.0)))
-    return Profile(4, values, empty.period, empty.h, parameter)
+    return Profile(4, Path(t, u).at(empty.times), empty.period, empty.h, parameter)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.errors import InputError
+from contin.errors import InputError, NoSolutionError
 from contin.simulate.trajectory import integrate
 
 ORIGIN = {"x": 0, "y": 0, "z": 0}
@@ -67,5 +67,40 @@ def test_what_cannot_be_followed_is_named(lorenz, cycles):
         contin.continuation(contin.connection(lorenz, ORIGIN, point), "rho", (23, 25))
     with pytest.raises(InputError, match="name one parameter"):
         contin.continuation(contin.connection(lorenz, point), ("rho", "s"), {"rho": (23, 25), "s": (9, 11)})
-    with pytest.raises(InputError, match="leave out `truncation`"):
-        contin.connection(lorenz, ORIGIN, point, truncation=1e-3)
+    with pytest.raises(InputError, match="leave out `reversor`"):
+        contin.connection(lorenz, point, reversor={"x": "-x"})
+
+
+def at_s(start, s=10.0):
+    """The label at a value of the second parameter that the start has."""
+    ranges, settings = {"rho": (20, 28), "s": (9.9, 10.1)}, {"max_step": 1.0}
+    branch = contin.continuation(start, ("rho", "s"), ranges, values={"s": [s]}, settings=settings)
+    return branch["UZ1"]
+
+
+@pytest.fixture(scope="module")
+def at_ten(start):
+    return at_s(start[0])
+
+
+@pytest.mark.parametrize("truncation", [1e-2, 1e-3])
+def test_ends_that_are_farther_from_the_cycle_state_larger_errors(lorenz, cycles, at_ten, truncation):
+    """Manifolds are taken for their linear spaces there: off by the square of the distance, which the error has."""
+    point = next(point for point in cycles.points if point.type == "UZ" and point.values["rho"] > 24)
+    far = at_s(contin.connection(lorenz, ORIGIN, point, truncation=truncation))
+    off = abs(far.values["rho"] - at_ten.values["rho"])
+    assert off <= far.error + at_ten.error
+    assert 0.0 < at_ten.error < 1e-8 < far.error < truncation
+
+
+def test_samples_of_an_orbit_are_enough(lorenz, cycles, start, at_ten):
+    """An orbit at rho = 24.0579, from a table that is only roughly right."""
+    point = next(point for point in cycles.points if point.type == "UZ" and point.values["rho"] > 24)
+    seed = start[0].locus(("rho", "s"))[0]
+    profile = seed.problem.orbit_at(seed.z)
+    s = np.linspace(0.0, 1.0, 801)
+    rough = np.round(profile.at(s), 2)
+    found = at_s(contin.connection(lorenz, ORIGIN, point, samples=(s * profile.period, rough)))
+    assert abs(found.values["rho"] - at_ten.values["rho"]) < found.error + at_ten.error < 1e-6
+    with pytest.raises(NoSolutionError, match="the orbit given ends at"):
+        contin.connection(lorenz, ORIGIN, point, samples=(s[:300], rough[:300])).locus(("rho", "s"))

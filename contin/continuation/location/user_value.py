@@ -60,13 +60,18 @@ class Target:
             else:
                 z = near.z.copy()
                 z[-1] = self.value
-        error, exact = 0.0, self.column == problem.parameters[0]
-        if not exact or len(problem.parameters) > 1:
-            error = moved_by_mesh(stretch, near, self.column, self.value)
-        if not exact:
+        error = self.error(stretch, near)
+        if self.column != problem.parameters[0]:
             error += distance * float(frame.scale[-1])
         point = Verified("UZ", z, abs(value(replace(near, z=z))), error, near.eigenvalues, near.unstable)
         return Found(stretch.length_of(near), point, near)
+
+    def error(self, stretch: Stretch, near: Sample) -> float:
+        """Of the parameters where the column has the value, that a finer mesh tells; one that is asked for is exact."""
+        problem = stretch.problem
+        if self.column == problem.parameters[0] and len(problem.parameters) == 1:
+            return 0.0
+        return moved_by_mesh(stretch, near, self.column, self.value)
 
 
 def moved_by_mesh(stretch: Stretch, near: Sample, column: str, value: float) -> float:

@@ -83,3 +83,20 @@ def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name):
     heart = {branch["name"]: branch for branch in result_of(name)["branches"]}["heart"]
     (point,) = [p for p in heart["points"] if p["type"] == "UZ"]
     assert point["values"]["rho"] == pytest.approx(24.0579, abs=5e-5)
+
+
+def test_the_orbit_from_a_cycle_to_the_other_equilibrium_is_where_reversed_trajectories_change_sides():
+    """pci: nu1 = 0.7411891805(1), by bisection with Dormand and Prince's method of order 8, backwards along the stable
+    manifold of the equilibrium. The curve ends where a multiplier of the cycle is 1."""
+    link = branches_of("pci")["link"]
+    (point,) = link["points"]
+    assert abs(point["values"]["nu1"] - 0.7411891805) < 1e-10 + point["error"] < 2e-10
+    assert "passes the unit circle" in link["ends"][0]["text"]
+    assert link["columns"]["multiplier"][0] == pytest.approx(1.0, abs=0.1)
+    assert max(link["columns"]["multiplier"]) < 1.0
+    assert min(link["columns"]["phi.min"][k] - x for k, x in enumerate(link["columns"]["phi.saddle2"])) > 0.0
+
+
+def test_curves_of_connections_are_called_by_their_ends(capsys):
+    call("run", str(FOLDER / "pci.yaml"))
+    assert "link  locus of orbits from a cycle to an equilibrium in nu1 and nu2" in capsys.readouterr().out
