@@ -54,6 +54,9 @@ class CentreManifold:
         self._h: dict[Index, Vector] = {}
         self._g: dict[Index, dict[int, complex]] = {}
         self._rhs: dict[Index, Vector] = {}
+        self._terms: dict[Index, list[tuple[float, list[Vector], Vector]]] = {}  # weights, directions and forms of R_v
+        self._directions: dict[Index, Vector] = {}
+        self._largest = max([1.0 if jet.kind == "map" else 0.0, *map(abs, self._listed)])
         self._sizes: dict[Index, Real] = {}
 
     def h(self, *index: int) -> Vector:
@@ -108,16 +111,15 @@ class CentreManifold:
         return complex(sum(power * value for power, value in zip(v, self._listed, strict=False)))
 
     def _resonant(self, v: Index) -> list[int]:
-        scale = max(1.0 if self.jet.kind == "map" else 0.0, *(abs(value) for value in self._listed))
-        multiplier = self._multiplier(v)
-        return [j for j, value in enumerate(self._listed) if abs(multiplier - value) <= RESONANCE * scale]
+        multiplier, close = self._multiplier(v), RESONANCE * self._largest
+        return [j for j, value in enumerate(self._listed) if abs(multiplier - value) <= close]
 
     def _inhomogeneity(self, v: Index) -> Vector:
         """R_v - S_v."""
         if v not in self._rhs:
             total: Vector = np.zeros(self.jet.n, dtype=self._dtype)
-            for weight, directions in self._products(v):
-                total += weight * self.jet.form(*directions)
+            for weight, _, form in self._products(v):
+                total += weight * form
             for coefficient, u in self._transport(v):
                 total = total - (coefficient if self._dtype is complex else coefficient.real) * self._coefficient(u)
             self._rhs[v] = total
@@ -126,31 +128,38 @@ class CentreManifold:
     def _sum_of_moduli(self, v: Index) -> Real:
         """Of the summands of R_v - S_v, component by component."""
         sizes: Real = np.zeros(self.jet.n)
-        for weight, directions in self._products(v):
-            sizes = sizes + np.abs(weight * self.jet.form(*directions))
+        for weight, directions, form in self._products(v):
+            sizes = sizes + np.abs(weight * form)
             if 1 < len(directions) < LONG:  # longer ones are evaluated along their directions: `rounding` sees theirs
                 sizes = sizes + ROUNDED * weight * size_of_terms(self.jet, *directions)
         for coefficient, u in self._transport(v):
             sizes = sizes + np.abs(coefficient * self._coefficient(u))
         return sizes
 
-    def _products(self, v: Index) -> Iterator[tuple[float, list[Vector]]]:
+    def _products(self, v: Index) -> list[tuple[float, list[Vector], Vector]]:
         """R_v = sum of weight F[directions]; for a parameter alone, A h + F_p = sum g q."""
+        known = self._terms.get(v)
+        if known is None:
+            known = self._terms[v] = [(w, given, self.jet.form(*given)) for w, given in self._multilinear(v)]
+        return known
+
+    def _multilinear(self, v: Index) -> Iterator[tuple[float, list[Vector]]]:
         if sum(v) == 1:
             yield 1.0, [lift(np.zeros(self.jet.n), self.jet.parameters, v.index(1) - self.m)]
             return
-        for parts in partitions(v):
-            weight = 1.0
-            for part in set(parts):
-                weight /= factorial(parts.count(part))
+        for weight, parts in weighted_partitions(v):
             yield weight, [self._direction(part) for part in parts]
 
     def _direction(self, v: Index) -> Vector:
+        known = self._directions.get(v)
+        if known is not None:
+            return known
         direction = np.zeros(self.jet.n + self.jet.parameters, dtype=self._dtype)
         unit = self._unit(v)
         if unit is not None and unit >= self.m:
             direction[self.jet.n + unit - self.m] = 1.0
         direction[: self.jet.n] = self._coefficient(v)
+        self._directions[v] = direction
         return direction
 
     def _transport(self, v: Index) -> Iterator[tuple[complex, Index]]:
@@ -187,11 +196,10 @@ class CentreManifold:
                 yield coefficient, u
 
 
-def below(v: Index) -> Iterator[Index]:
+@lru_cache(maxsize=4096)
+def below(v: Index) -> tuple[Index, ...]:
     """Every k with 0 <= k <= v in each entry, except zero."""
-    for k in product(*(range(a + 1) for a in v)):
-        if any(k):
-            yield k
+    return tuple(k for k in product(*(range(a + 1) for a in v)) if any(k))
 
 
 @lru_cache(maxsize=4096)
@@ -202,6 +210,18 @@ def partitions(v: Index) -> tuple[tuple[Index, ...], ...]:
     (((1, 0), (0, 1)),)
     """
     return tuple(parts for parts in _multisets(v, v) if len(parts) > 1)
+
+
+@lru_cache(maxsize=4096)
+def weighted_partitions(v: Index) -> tuple[tuple[float, tuple[Index, ...]], ...]:
+    """Those of `partitions`, each with the product of 1/k! over parts that occur k times."""
+    found = []
+    for parts in partitions(v):
+        weight = 1.0
+        for part in set(parts):
+            weight /= factorial(parts.count(part))
+        found.append((weight, parts))
+    return tuple(found)
 
 
 def _multisets(v: Index, largest: Index) -> Iterator[tuple[Index, ...]]:

@@ -117,6 +117,12 @@ class DerivativeJet:
             self._tensors[order] = values[places] if np.isfinite(values).all() else None
         return self._tensors[order]
 
+    def prepare(self, *orders: int) -> None:
+        """Evaluate all derivatives of these orders now: many forms of them are to come."""
+        for order in orders:
+            if order in TENSORS and self._has_tensors:
+                self._tensor(order)
+
     def terms(self, order: int) -> Real | None:
         """The derivatives of an order that its forms are sums of, (width^order, n); None where they are not."""
         return self._tensors.get(order)
@@ -124,6 +130,9 @@ class DerivativeJet:
     @cached_property
     def second_sizes(self) -> Real:
         n, eye = self.n, np.eye(self.n + self.parameters)
+        terms = self._tensors.get(2)
+        if terms is not None:
+            return np.abs(terms.reshape(len(eye), len(eye), n)[:n, :n]).transpose(2, 1, 0).copy()
         places = [(j, k) for j in range(n) for k in range(j + 1)]
         sizes = np.empty((n, n, n))
         for (j, k), value in zip(places, self._evaluate([(eye[j], eye[k]) for j, k in places]), strict=True):
@@ -163,6 +172,15 @@ def size_of_terms(jet: Jet, *directions: Vector) -> Real:
         return np.asarray(np.sqrt(squares.real), dtype=float)
     signs = np.resize(SIGNS, jet.n + jet.parameters)
     return np.abs(jet.form(*(d * signs for d in directions)))
+
+
+def along_units(jet: Jet, *directions: Vector) -> Vector:
+    """The form with these directions and each unit vector in one place more, (n + parameters, n)."""
+    terms = jet.terms(len(directions) + 1) if isinstance(jet, DerivativeJet) else None
+    width = jet.n + jet.parameters
+    if terms is not None:
+        return contracted(terms, directions).reshape(width, jet.n)
+    return np.array([jet.form(*directions, unit) for unit in np.eye(width)])
 
 
 def contracted(tensor: Real, directions: tuple[Vector, ...]) -> Vector:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, lift
+from contin.normalforms.jet import DerivativeJet, Jet, Real, lift
 from contin.normalforms.linear import singular_vectors, solve
 from contin.normalforms.static import state, static_matrix, static_pair
 
@@ -75,6 +75,8 @@ def reduce(jet: Jet, dimension: int | None = None) -> Reduction:
     if jet.parameters != 1:
         raise ValueError(f"the reduction needs a jet with one active parameter; this one has {jet.parameters}")
     k = dimension or kernel_dimension(jet)
+    if isinstance(jet, DerivativeJet):
+        jet.prepare(2, 3)
     right, left = kernel_vectors(jet, k)
     matrix = static_matrix(jet)
     slope = jet.form(lift(np.zeros(jet.n), 1, 0))

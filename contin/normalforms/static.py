@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, lift
+from contin.normalforms.jet import Jet, Real, along_units, lift
 from contin.normalforms.linear import EigenPair, null_pair
 from contin.normalforms.result import STATE_ERROR, TRUST
 
@@ -47,8 +47,8 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
     dv, dw = state(jet, v), state(jet, w)
     whole = np.abs(p) @ np.abs(jet.form(dv, dw))
     lengths = state_lengths(jet, state_error)
-    eye = np.eye(jet.n)
-    drift = sum(lengths[i] * abs(np.vdot(p, jet.form(dv, dw, state(jet, eye[i])))) for i in np.flatnonzero(lengths))
+    moved = lengths != 0.0
+    drift = lengths[moved] @ np.abs(along_units(jet, dv, dw)[: jet.n][moved] @ p.conj()) if moved.any() else 0.0
     return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift)
 
 
@@ -62,8 +62,8 @@ def second_order_error(jet: Jet, p: Vector, parts: tuple[Vector, ...], whole: tu
     if jet.scale is not None:
         rounded = EPSILON * float(np.max(np.abs(p) * jet.scale)) / jet.scale
         size += sum(float(rounded @ np.abs(part)) for part in parts) / TRUST
-    eye = np.eye(jet.n + jet.parameters)
-    moved = sum(drift[i] * abs(float(np.vdot(p, jet.form(*whole, eye[i])))) for i in np.flatnonzero(drift))
+    off = drift != 0.0
+    moved = drift[off] @ np.abs(along_units(jet, *whole)[off] @ p) if off.any() else 0.0
     return float(TRUST * size + moved)
 
 

@@ -67,6 +67,8 @@ class Evaluated(Protocol):
 
     def terms(self, x: Array) -> Array: ...
 
+    def around(self, x: Array) -> tuple[Array, Array, Array]: ...
+
 
 @dataclass(frozen=True, eq=False)
 class Solved:
@@ -87,11 +89,28 @@ class System:
 
     at : G(x) (k,), and its Jacobian.  values : G alone, (m, k), at m places (m, unknowns).  terms : sizes of the terms
     that G(x) is made of, (k,): an entry of the Jacobian may be a sum of terms that cancel, and err alike at all places.
+    looked : G at rows x, (m, k), its Jacobians at the first two, (2, k, unknowns), and the terms at the first; all in
+    one call, where there is one for it.
     """
 
     at: Callable[[Array], tuple[Array, Array]]
     values: Callable[[Array], Array]
     terms: Callable[[Array], Array] | None = None
+    looked: Callable[[Array], tuple[Array, Array, Array]] | None = None
+
+    @classmethod
+    def compiled(cls, equations: Evaluated) -> System:
+        """Of equations that a kernel evaluates."""
+        return cls(equations.at, equations.values, equations.terms, equations.around)
+
+    def around(self, x: Array) -> tuple[Array, Array, Array]:
+        """`looked`, also where it takes several calls."""
+        if self.looked is not None:
+            return self.looked(x)
+        (g, matrix), beside = self.at(x[0]), self.at(x[1])
+        values = np.concatenate([g[None], beside[0][None], self.values(x[2:])])
+        terms = np.zeros(len(g)) if self.terms is None else self.terms(x[0])
+        return values, np.array([matrix, beside[1]]), terms
 
 
 def newton(system: System, x: Array, position: int) -> Solved | None:
@@ -141,43 +160,42 @@ def _converged(system: System, x: Array, position: int) -> tuple[Array, float] |
 
 def _estimated(system: System, x: Array, position: int, lacking: float) -> Solved | None:
     """The solution with its residual, and the errors of both."""
-    g, matrix = system.at(x)
-    if not np.all(np.isfinite(matrix)):
+    steps, farther, places = _shifted(x.size)
+    sampled, (matrix, beside), terms = system.around(x + places)
+    if not np.isfinite(matrix).all():
         return None
-    beside = system.at(x + BESIDE * generic(x.size))[1]  # at a degenerate point all of it may vanish
-    beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
-    sizes = np.maximum(np.abs(matrix), beside).max(axis=1)
+    g, entries = sampled[0], np.abs(matrix)
+    beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)  # at a degenerate point all of the matrix may vanish
+    sizes = np.maximum(entries, beside).max(axis=1)
+    largest, biggest, epsilon = float(entries.max()), float(np.abs(x).max()), float(np.finfo(float).eps)
     left, singular, right = np.linalg.svd(matrix, full_matrices=False)
     flat = singular <= FLAT * max(float(singular[0]), float(sizes.max()))
-    inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular))  # flat directions: see `_reach`
+    some = bool(flat.any())
+    inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular)) if some else 1.0 / singular  # flat: see `_reach`
     row = (right.T[position] * inverses) @ left.T
-    epsilon = float(np.finfo(float).eps)
-    noise = epsilon * float(np.abs(matrix).max()) * float(np.abs(x).max())
-    steep = right[~flat]
-    steps = shifts(x.size)
-    farther = ROUNDED / PERTURBATION * steps  # so near, terms with cancelling parts may not change at all
-    sampled = system.values(np.concatenate([x + steps, x + farther, x - farther]))
-    close, ahead, behind = sampled[:SAMPLES], sampled[SAMPLES:-SAMPLES], sampled[-SAMPLES:]
+    weights, steep = np.abs(row), right[~flat] if some else right
+    close, ahead, behind = sampled[2 : 2 + SAMPLES], sampled[2 + SAMPLES : -SAMPLES], sampled[-SAMPLES:]
     estimates = (steps @ steep.T) @ steep[:, position] - close @ row
     linear = farther @ matrix.T
     near = np.abs(close - g - steps @ matrix.T).max(axis=0)  # rounding errors: of short steps
     curved = np.abs(ahead - g - linear).max(axis=0)  # ... of longer ones with what is curved
     odd = np.abs(0.5 * (ahead - behind) - linear).max(axis=0)  # ... and without
-    noise = max(noise, float(near.max()), float(curved.max()))
-    rounded = float(np.abs(row) @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
-    error = 2.0 * max(float(np.abs(estimates).max()), rounded) + lacking
-    alike = np.zeros(len(g)) if system.terms is None else ALIKE * epsilon * system.terms(x)
-    error += float(np.abs(row) @ alike)
-    rounded_x = epsilon * float(np.abs(x).max()) * sizes  # what the unknowns' own rounding makes of it
-    limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x, alike]), np.abs(g))
-    error += _along(system, x, position, g, right[flat], limits)
-    whole = (right.T[position] / np.maximum(singular, 1e-300)) @ left.T
-    felt = float(np.abs(whole) @ alike)  # how the terms' errors reach the answer; no other estimate shows them
-    if felt > error and flat.any():
-        error = max(error, min(felt, _along(system, x, position, g, right[flat], np.maximum(limits, alike.max()))))
-    size = float(np.abs(matrix).max()) or 1.0  # in units of time, of which residuals must not depend
+    noise = max(epsilon * largest * biggest, float(near.max()), float(curved.max()))
+    rounded = float(weights @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
+    alike = ALIKE * epsilon * terms
+    error = 2.0 * max(float(np.abs(estimates).max()), rounded) + lacking + float(weights @ alike)
+    if some:
+        rounded_x = epsilon * biggest * sizes  # what the unknowns' own rounding makes of it
+        limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x, alike]), np.abs(g))
+        error += _along(system, x, position, g, right[flat], limits)
+        whole = (right.T[position] / np.maximum(singular, 1e-300)) @ left.T
+        felt = float(np.abs(whole) @ alike)  # how the terms' errors reach the answer; no other estimate shows them
+        if felt > error:
+            limits = np.maximum(limits, alike.max())
+            error = max(error, min(felt, _along(system, x, position, g, right[flat], limits)))
+    size = largest or 1.0  # in units of time, of which residuals must not depend
     residual = float(np.abs(g).max()) / size
-    sensitivity = float(np.abs(row) @ sizes) * max(1.0, float(np.abs(x).max()))
+    sensitivity = float(weights @ sizes) * max(1.0, biggest)
     return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size, sensitivity)
 
 
@@ -217,6 +235,18 @@ def _reach(system: System, x: Array, position: int, g: Array, direction: Array, 
 def shifts(size: int) -> Array:
     """Perturbations of unknowns, (`SAMPLES`, size)."""
     return np.asarray(PERTURBATION * np.random.default_rng(12345).uniform(-1.0, 1.0, (SAMPLES, size)))
+
+
+@cache
+def _shifted(size: int) -> tuple[Array, Array, Array]:
+    """Short steps and longer ones, (`SAMPLES`, size): so near, terms with cancelling parts may not change at all.
+
+    And all places about a solution, less it: itself, one beside it, and those after the short steps and after the
+    longer ones, both ways.
+    """
+    steps = shifts(size)
+    farther = ROUNDED / PERTURBATION * steps
+    return steps, farther, np.concatenate([np.zeros((1, size)), [BESIDE * generic(size)], steps, farther, -farther])
 
 
 @cache
@@ -260,7 +290,7 @@ def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
     b, c = singular_basis(local.linearise(y)[1], corank)
     compiled = local.bordered(BRANCH, b, c) if corank == 1 else None
     if compiled is not None:
-        return newton(System(compiled.at, compiled.values, compiled.terms), y, n)
+        return newton(System.compiled(compiled), y, n)
 
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
@@ -315,7 +345,7 @@ def _critical_pair(
     unit = abs(angle) or 1.0
     compiled = local.bordered(PAIR, b, c, unit=unit) if corank == 1 else None
     if compiled is not None:
-        return System(compiled.at, compiled.values, compiled.terms)
+        return System.compiled(compiled)
 
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x[: n + 1])
@@ -363,7 +393,7 @@ def _real_critical(local: Local, b: Array, c: Array, value: float) -> System:
     n = local.n
     compiled = local.bordered(FOLD, b, c, value)
     if compiled is not None:
-        return System(compiled.at, compiled.values, compiled.terms)
+        return System.compiled(compiled)
     shift = value * local.identity
 
     def at(x: Array) -> tuple[Array, Array]:

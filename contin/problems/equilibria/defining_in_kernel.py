@@ -60,6 +60,13 @@ class BorderedEquations:
         kernel.evaluate(*self.arguments, x[None], *self.further, residuals, NO_MATRICES, terms, *self.memory)
         return terms
 
+    def around(self, x: Array) -> tuple[Array, Array, Array]:
+        """Residuals at rows x, Jacobians at the first two, and sizes of the terms at the first."""
+        residuals, matrices = np.empty((len(x), self.count)), np.empty((2, self.count, x.shape[1]))
+        terms = np.empty(self.count)
+        kernel.evaluate(*self.arguments, x, *self.further, residuals, matrices, terms, *self.memory)
+        return residuals, matrices, terms
+
 
 def bordered_equations(
     local: Scaled, kind: int, b: Vector, c: Vector, shift: float = 0.0, unit: float = 1.0
