@@ -52,9 +52,13 @@ class Stretch:
         slack = 2.0 * self.distance(a, b)
         return [s if s is not None and self._is_near(s, a, b, slack) else None for s in samples]
 
-    def tests_between(self, a: Sample, b: Sample, fractions: Sequence[float]) -> tuple[Array, Sequence[int]] | None:
-        """Tests (m, k) and unstable counts of the points that `several` gives; None where one of these is not found."""
-        lengths = self.length_of(a), self.length_of(b)
+    def tests_between(
+        self, a: Sample, b: Sample, fractions: Sequence[float], lengths: tuple[float, float]
+    ) -> tuple[Array, Sequence[int]] | None:
+        """Tests (m, k) and unstable counts of the points that `several` gives; None where one of these is not found.
+
+        lengths : of a and b.
+        """
         compiled = self.problem.tests_between(self.base, (a, b), lengths, fractions, self.frame, self.settings)
         if compiled is not None:
             return compiled if min(compiled[1]) >= 0 else None

@@ -62,25 +62,28 @@ class Rows:
     def joined(self, start_row: int) -> tuple[Block, int]:
         """All rows as four arrays, each point once, and the row of the start among them."""
         block = self._stacked_blocks()
-        stands_for = self._repeats(block[0])
-        kept = np.flatnonzero(stands_for == np.arange(len(stands_for)))
-        if len(kept) == len(stands_for):
+        same = self._repeated(block[0])
+        if not same:
             return block, start_row
+        stands_for = np.arange(self._length)
+        stands_for[list(same)] = list(same.values())
+        stands_for = stands_for[stands_for]
+        kept = np.flatnonzero(stands_for == np.arange(len(stands_for)))
         moved = np.searchsorted(kept, stands_for)
         self.labelled = [(int(moved[row]), point, scale) for row, point, scale in self.labelled]
         self.jumps = [int(moved[min(row, len(moved) - 1)]) for row in self.jumps]
         z, tangents, unstable, eigenvalues = block
         return (z[kept], tangents[kept], unstable[kept], eigenvalues[kept]), int(moved[start_row])
 
-    def _repeats(self, z: Array) -> NDArray[np.int64]:
-        """The row that each row is the same as: a bound, a start or another label may lie on a labelled point."""
-        stands_for = np.arange(len(z))
+    def _repeated(self, z: Array) -> dict[int, int]:
+        """The rows that are others once more, and which: a bound, a start or a label may lie on a labelled point."""
+        stands_for = {}
         labelled = {row for row, _, _ in self.labelled}
         for row, _, scale in self.labelled:
             for beside in (row - 1, row + 1):
-                if 0 <= beside < len(z) and np.all(np.abs(z[beside] - z[row])[-len(scale) :] <= REPEATED * scale):
+                if 0 <= beside < len(z) and (np.abs(z[beside] - z[row])[-len(scale) :] <= REPEATED * scale).all():
                     stands_for[beside] = min(beside, row) if beside in labelled else row
-        return stands_for[stands_for]
+        return stands_for
 
     def _stacked_blocks(self) -> Block:
         """All rows as four arrays, padded with NaN where blocks differ: eigenvalues at the end, unknowns in front."""

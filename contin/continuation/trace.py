@@ -197,9 +197,8 @@ def _assemble(
     told = is_planar(problem) and bool(properties)  # as that eigenvalues stay critical: their signs are rounding
     labels = [(row, point, float(raw_tangents[row, -1] / scale[-1])) for row, point, scale in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
-    changes, everywhere = (  # everywhere: with those where equations jump
-        [] if told else unexplained(unstable, labels, born, jumps, exact) for jumps in (rows.jumps, ())
-    )
+    everywhere = [] if told else unexplained(unstable, labels, born, (), exact)  # with those where equations jump
+    changes = everywhere if told or not rows.jumps else unexplained(unstable, labels, born, rows.jumps, exact)
     changes = [row for row in changes if not passed_again(row, unstable, columns, labels)]
     unlabelled = sum(not passed_again(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
@@ -283,9 +282,10 @@ def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:
     """A note for every column without a value on some rows: an observable that is not defined there, or that failed."""
     notes = []
     for name, column in columns.items():
-        bad = np.flatnonzero(~np.isfinite(column))
-        if not bad.size:
+        finite = np.isfinite(column)
+        if finite.all():
             continue
+        bad = np.flatnonzero(~finite)
         row = int(bad[0])
         where = ", ".join(f"{p} = {columns[p][row]:.6g}" for p in problem.parameters if p in columns and p != name)
         reason = problem.explain_columns(z[row])

@@ -22,7 +22,7 @@ def spectrum(matrix: Array) -> tuple[NDArray[np.complex128], Array]:
     """
     n = len(matrix)
     rates = np.empty(n)
-    if n <= LARGE and np.all(np.isfinite(matrix)):
+    if n <= LARGE and np.isfinite(matrix).all():
         ordered = np.array(matrix, dtype=float, order="C")
         if grade(ordered, rates, np.empty((n, n))):
             re, im, unknown = np.empty(n), np.empty(n), np.full(n, np.nan)

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from contin.abi import NO_FUNCTION, Address, Array
 from contin.lowering.machine import MOST_POINTERS, loop_address
 
+SEVERAL: Final = 3  # points whose Jacobians are computed in the buffers: addresses of arrays take longer
 FEW: Final = 24  # points that are called one by one from Python
 BUFFERED: Final = 1024  # Jacobians with more elements are written where they are returned
 
@@ -83,21 +84,34 @@ class Calls:
 
     def jacobian(self, call: Call, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """(u, p, F, J)."""
-        u_at, p_at, _ = self._load(u, p)
         buffers = self._buffers
-        out, out_at = buffers.output(self.n)
         if buffers.matrix is not None:
-            call(u_at, p_at, out_at, buffers.matrix_at)
-            return out.copy(), buffers.matrix.copy()
+            value, matrix = self._linearised(call, u, p)
+            return value.copy(), matrix.copy()
+        u_at, p_at, _ = self._load(u, p)
+        out, out_at = buffers.output(self.n)
         matrix = np.empty((self.n, self.n + self.p_size))
         call(u_at, p_at, out_at, matrix.ctypes.data)
         return out.copy(), matrix
 
+    def _linearised(self, call: Call, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+        """F and a small J in this thread's buffers."""
+        u_at, p_at, _ = self._load(u, p)
+        buffers = self._buffers
+        out, out_at = buffers.output(self.n)
+        call(u_at, p_at, out_at, buffers.matrix_at)
+        assert buffers.matrix is not None
+        return out, buffers.matrix
+
     def jacobians(self, call: Call, u: Array, p: Array) -> tuple[Array, Array]:
         """(u, p, F, J) at N points u (N, n), p (N, p_size); (N, n) and (N, n, n + p_size)."""
-        states, others = (np.ascontiguousarray(a, dtype=float) for a in (u, p))
-        count = len(states)
+        count = len(u)
         values, matrices = np.empty((count, self.n)), np.empty((count, self.n, self.n + self.p_size))
+        if count <= SEVERAL and self._buffers.matrix is not None:
+            for k in range(count):
+                values[k], matrices[k] = self._linearised(call, u[k], p[k])
+            return values, matrices
+        states, others = (np.ascontiguousarray(a, dtype=float) for a in (u, p))
         _each(call, count, [(a.ctypes.data, a.strides[0]) for a in (states, others, values, matrices)])
         return values, matrices
 

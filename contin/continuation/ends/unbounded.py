@@ -16,8 +16,8 @@ from contin.continuation.branch import End
 from contin.continuation.location.lost_digits import unresolved
 from contin.continuation.problem import Problem, is_planar
 from contin.continuation.segment import Piece
-from contin.machine import elementary
 
+POWERS: Final = (*(float(f"1e{k}") for k in range(309)), np.inf)  # of ten
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
 CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
 SHRINKING: Final = 1.0 / 3.0  # ... and by less than this part of its move in the decade before (a pole: 1/10)
@@ -57,6 +57,12 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
         return
 
 
+def _extent(z: Array) -> tuple[Array, Array]:
+    """The least and the greatest of each unknown, (N,) each, in rows z (m, N)."""
+    columns = np.ascontiguousarray(z.T)
+    return columns.min(axis=1), columns.max(axis=1)
+
+
 def _may_grow(problem: Problem) -> NDArray[np.bool_]:
     """True for the states: not angles, not the auxiliary vectors of a locus; without the last unknown."""
     states = problem.angle_periods == 0.0
@@ -93,10 +99,11 @@ class _Record:
         if not len(piece.z):
             return None
         if is_planar(self.arm.problem):
-            return self._nearing(piece) or (None if self.adaptive else self._infinite(piece))
-        size = self._size(piece)
-        growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece, size)
-        return growing or self._approaching(piece, size) or self._unmoved(piece)
+            return self._nearing(piece) or (None if self.adaptive else self._infinite(piece, _extent(piece.z)))
+        size, extent = self._size(piece), _extent(piece.z)
+        growing = self._infinite(piece, extent) or self._unresolved(piece) or self._creeping(piece, size)
+        values = float(extent[0][-1]), float(extent[1][-1])
+        return growing or self._approaching(piece, size, values) or self._unmoved(piece, values)
 
     def _relative(self, z: Array) -> Array:
         """States of rows z (.., n + 1) beside their scales at the first row; 0 for unknowns that cannot grow."""
@@ -146,8 +153,8 @@ class _Record:
             return self._stop(row, piece, "bound", f"{name} has grown to {size:.0e} times its scale; {text}")
         return self._stop(row, piece, "corrector", text)
 
-    def _infinite(self, piece: Piece) -> _Stop | None:
-        largest = np.abs(piece.z.T, order="C").max(axis=1)  # of each unknown: whole rows only where one may have grown
+    def _infinite(self, piece: Piece, extent: tuple[Array, Array]) -> _Stop | None:
+        largest = np.maximum(np.abs(extent[0]), np.abs(extent[1]))  # whole rows only where an unknown may have grown
         if not self._sizes(largest) >= self._next:
             return None
         sizes = self._sizes(piece.z)
@@ -162,7 +169,7 @@ class _Record:
 
     @property
     def _next(self) -> float:
-        return elementary.pow(10.0, len(self.decades) + 1.0)
+        return POWERS[min(len(self.decades) + 1, len(POWERS) - 1)]
 
     @property
     def _width(self) -> float:
@@ -188,15 +195,17 @@ class _Record:
         largest = int(np.argmax(relative))
         return names[largest] if largest < len(names) else "the state"
 
-    def _approaching(self, piece: Piece, size: float) -> _Stop | None:
-        """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows."""
-        bounds = np.array(self.arm.bounds)
+    def _approaching(self, piece: Piece, size: float, values: tuple[float, float]) -> _Stop | None:
+        """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows.
+
+        values : the least and the greatest of the parameter.
+        """
         before, self.last = self.last, piece.z[-1].copy()
         near = (NEAR_GROWN if size > GROWN else NEAR) * self._width
-        values = piece.z[:, -1]
-        if not min(np.abs(values - bound).min() for bound in self.arm.bounds) < near:
+        if not any(values[0] - bound < near and bound - values[1] < near for bound in self.arm.bounds):
             self.approaching = 0
             return None
+        bounds = np.array(self.arm.bounds)
         rows = np.vstack([before[None], piece.z])
         distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
         steps = np.linalg.norm(np.diff(rows, axis=0) / piece.scale, axis=1)
@@ -234,9 +243,9 @@ class _Record:
                     return self._stop(row, piece, "bound", f"the curve approaches {name} = {bound:g} ever more closely")
         return None
 
-    def _unmoved(self, piece: Piece) -> _Stop | None:
-        rows, last = len(piece.z), len(piece.z) - 1
-        same = bool(np.abs(piece.z[:, -1] - self.anchor[-1]).max() <= VERTICAL * self._width)
+    def _unmoved(self, piece: Piece, values: tuple[float, float]) -> _Stop | None:
+        rows, last, place = len(piece.z), len(piece.z) - 1, float(self.anchor[-1])
+        same = max(abs(values[0] - place), abs(values[1] - place)) <= VERTICAL * self._width
         still = same and bool(np.all(np.abs(piece.z - self.anchor) / piece.scale <= STILL))
         self.vertical = self.vertical + rows if same else 0
         self.standing = self.standing + rows if still else 0

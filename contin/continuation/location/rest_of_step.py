@@ -31,15 +31,16 @@ def is_clear(
     The same points as those that `rounding` and `points_between` begin with, all at once; false says nothing.
     adaptive : the crossing tests must also be larger than their rounding errors.
     """
-    a, b = (abs(stretch.length_of(sample) - centre) for sample in (near, far))
+    lengths = stretch.length_of(near), stretch.length_of(far)
+    a, b = abs(lengths[0] - centre), abs(lengths[1] - centre)
     if not 0.0 < a < b or b < 1.01 * a or stretch.problem.explain(near, far) != ():
         return False
     middle = (sqrt(a * b) - a) / (b - a)
     places = (CLOSE_BY, 2.0 * CLOSE_BY, middle, 0.5) if b > WIDE * a else (CLOSE_BY, 2.0 * CLOSE_BY, middle)
-    found = stretch.tests_between(near, far, places)
-    if found is None or any(count != near.unstable for count in found[1]):
+    found = stretch.tests_between(near, far, places, lengths)
+    if found is None or found[1].count(near.unstable) < len(places):
         return False
-    gaps = np.array([a, *(a + part * (b - a) for part in places[2:]), b])
+    gaps = np.array([a, *[a + part * (b - a) for part in places[2:]], b])
     return bool(
         kernel.is_clear(near.tests, found[0], far.tests, np.array(places), gaps, crossing.astype(np.int64), adaptive)
     )

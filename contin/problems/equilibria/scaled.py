@@ -53,9 +53,10 @@ class ScaledSystem:
         here, around = rows[0], np.maximum(rows[1], rows[2])
         if self.problem.is_timeless:
             return self._equilibrated(np.maximum(here, around))
-        if not (np.all(np.isfinite(around)) and np.all(np.isfinite(here)) and min(here.min(), around.min()) > 0.0):
+        extents = [(min(sizes), max(sizes)) for sizes in (here.tolist(), around.tolist())]
+        if not (np.isfinite(rows).all() and min(least for least, _ in extents) > 0.0):
             return self
-        if min(here.max() / here.min(), around.max() / around.min()) <= FAR_APART:
+        if min(most / least for least, most in extents) <= FAR_APART:
             return self
         logs = [log(sizes) - log(sizes).mean() for sizes in (here, around)]
         if logs[0] @ logs[1] <= ALIKE * np.linalg.norm(logs[0]) * np.linalg.norm(logs[1]):  # not rates, but bad scales

@@ -67,6 +67,10 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
 
 def verify(problem: AlgebraicEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """Solve the defining system of a simple event; NOTHING where there is nothing to report."""
+    pair = nearest_pair(near.eigenvalues, problem.is_map) if type_ not in ("LP", "BP", "PD") else None
+    is_real = pair is None or abs(pair.imag) <= 1e-9 * abs(pair)
+    if type_ == "neutral" and not is_real:
+        return Rejected("a pair of eigenvalues touches the stability boundary without a change of the unstable count")
     frame, tangent = _balanced_frame(problem, near, frame)
     y = near.z / frame.scale
     local = ScaledSystem(problem, frame.scale).rated(y)
@@ -76,13 +80,10 @@ def verify(problem: AlgebraicEquations, type_: str, near: Sample, frame: Frame) 
         return _branch_point(problem, local, y, frame, 1, tangent)
     if type_ == "PD":
         return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
-    pair = nearest_pair(near.eigenvalues, problem.is_map)
-    if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
-        if type_ == "neutral":
-            return _opposite_zeros(problem, local, y, frame, tangent)
-        return Rejected(f"{type_}: the two eigenvalues that cross are real")
     if type_ == "neutral":
-        return Rejected("a pair of eigenvalues touches the stability boundary without a change of the unstable count")
+        return _opposite_zeros(problem, local, y, frame, tangent)
+    if pair is None or is_real:
+        return Rejected(f"{type_}: the two eigenvalues that cross are real")
     return _oscillatory(problem, local, y, frame, pair, tangent)
 
 
@@ -116,7 +117,7 @@ def _opposite_zeros(
     problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, tangent: Array
 ) -> Outcome:
     """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
-    here, there = _singular_values(local, *(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
+    here, there = _singular_values(local, *local.linearised(np.array([y, y + BESIDE * tangent]))[1])
     if len(here) < 2 or here[-2] > 2e-2 * there[-2]:
         return NOTHING
     found = _branch_point(problem, local, y, frame, 2, tangent)
@@ -191,7 +192,7 @@ def _singular_values(local: ScaledSystem, *jacobians: Array) -> list[NDArray[np.
     A state whose scale was guessed badly would otherwise make the others' Jacobian look singular.
     """
     units = _balancing_units(local, *jacobians)
-    return [np.linalg.svd(m * units / units[:-1, None], compute_uv=False) for m in jacobians]
+    return list(np.linalg.svd(np.array(jacobians) * units / units[:-1, None], compute_uv=False))
 
 
 def _balancing_units(local: ScaledSystem, *jacobians: Array) -> Array:
@@ -204,10 +205,11 @@ def _balancing_units(local: ScaledSystem, *jacobians: Array) -> Array:
     n = len(jacobians[0])
     if local.problem.is_timeless:
         return np.ones(n + 1)
-    total = np.maximum.reduce([np.abs(m[:, :n]) for m in jacobians])
+    total = np.abs(np.array(jacobians)[:, :, :n]).max(axis=0)
     products = total * total.T
-    mutual = products >= MUTUAL * products.max()
-    return np.append(balancing_scales(np.where(mutual, total, 0.0)), 1.0)
+    units = np.ones(n + 1)
+    units[:n] = balancing_scales(np.where(products >= MUTUAL * products.max(), total, 0.0))
+    return units
 
 
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
@@ -278,7 +280,7 @@ def _turns_on_all(local: ScaledSystem, y: Array, tangent: Array) -> bool:
 
 def _real_critical(problem: AlgebraicEquations, flow_value: float) -> Critical:
     target = flow_value if flow_value != 0.0 else (1.0 if problem.is_map else 0.0)
-    return lambda values: [int(np.argmin(np.abs(values - target)))]
+    return lambda values: [int(np.abs(values - target).argmin())]
 
 
 def _nearest(values: Vector, targets: Sequence[complex]) -> list[int]:
@@ -299,20 +301,20 @@ def _accept(
         return unverified(type_, f"its defining system has no solution nearby (residual {solved.residual:.1e})")
     z = solved.y * frame.scale
     values, rates = spectrum(problem.linear_part(z))
-    chosen = critical(values)
-    others = np.delete(values, chosen)
-    beyond = np.abs(others) - 1.0 if problem.is_map else others.real
-    sizes = 1.0 if problem.is_map else np.delete(noises(values, rates), chosen)
+    other = np.ones(len(values), bool)
+    other[critical(values)] = False
+    beyond = (np.abs(values) - 1.0 if problem.is_map else values.real)[other]
+    sizes = 1.0 if problem.is_map else noises(values, rates)[other]
     # at a multiple branch point Newton's method for a simple one stops where the others are no more than its error
-    crowded = bool(np.any(np.abs(beyond) < (CRITICAL if type_ == "BP" else SINGULAR) * sizes))
-    rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
-    if others.size and is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
-        beyond = np.where(np.abs(beyond) <= np.delete(errors_of(problem, z, values, frame.scale), chosen), 0.0, beyond)
+    crowded = bool((np.abs(beyond) < (CRITICAL if type_ == "BP" else SINGULAR) * sizes).any())
+    width, at, epsilon = float(frame.scale[-1]), abs(float(z[-1])), float(np.finfo(float).eps)
+    if beyond.size and is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
+        beyond = np.where(np.abs(beyond) <= errors_of(problem, z, values, frame.scale)[other], 0.0, beyond)
     approximate = max((limit.accuracy for limit in problem.system.limits), default=0.0)
-    error = (solved.error + approximate * solved.sensitivity) * float(frame.scale[-1]) + rounding
-    if abs(z[-1]) <= min(error, np.finfo(float).eps * float(frame.scale[-1])):
+    error = (solved.error + approximate * solved.sensitivity) * width + 0.5 * epsilon * at
+    if at <= min(error, epsilon * width):
         z[-1] = 0.0  # and not 1e-42 or -0.0
-    return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)
+    return Verified(type_, z, solved.residual, error, values, int((beyond > 0.0).sum()), crowded=crowded)
 
 
 def eigenvalues_of(problem: AlgebraicEquations, z: Array) -> Vector:
