@@ -62,6 +62,7 @@ class Rows:
     def joined(self, start_row: int) -> tuple[Block, int]:
         """All rows as four arrays, each point once, and the row of the start among them."""
         block = self._stacked_blocks()
+        self._blocks = [block]  # those of pieces are let go: together they are as large
         same = self._repeated(block[0])
         if not same:
             return block, start_row

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, Final
 
@@ -28,12 +28,13 @@ from contin.machine.objects import Piece
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
 _DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
 
-_FOLLOWED: Final = ("defining", "rest_of_step", "steering")
+_FOLLOWED: Final = ("defining", "rest_of_step", "steering.is_dip")
 NEXT: Final = {
     "grading": ("algebraic", *_FOLLOWED), "eigen": ("algebraic", *_FOLLOWED), "algebraic": _FOLLOWED,
 }  # fmt: skip
-"""Kernels that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next, and meets
-special points. Processes that make kernels take a second to begin."""
+"""Modules, or kernels, that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next,
+and meets special points. Processes that make kernels take a second to begin. Of these modules, kernels that are put in
+place where others call them are not made by themselves: few are called from Python, and those are named."""
 
 _lock = threading.RLock()
 _loaded: set[str] = set()
@@ -78,13 +79,22 @@ def _called_by_symbol(declaration: Declaration) -> Iterable[Declaration]:
 
 def _companions(declaration: Declaration) -> Iterable[Declaration]:
     """The other kernels of its module and of those that are needed next, with all that they need."""
-    modules = [declaration.function.__module__]
-    modules += [import_module(sources.BASE + name).__name__ for name in NEXT.get(module_of(declaration), ())]
-    for module in modules:
-        for value in vars(sys.modules[module]).values():
-            other = declared(value)
-            if other is not None and other.function.__module__ == module:
+    own = declaration.function.__module__
+    for other in _declared_in(own):
+        yield from _called_by_symbol(other)
+    for name in NEXT.get(module_of(declaration), ()):
+        module, _, single = name.partition(".")
+        for other in _declared_in(import_module(sources.BASE + module).__name__):
+            if other.name == name if single else not other.inlined:
                 yield from _called_by_symbol(other)
+
+
+def _declared_in(module: str) -> Iterator[Declaration]:
+    """The kernels of a module that is imported."""
+    for value in vars(sys.modules[module]).values():
+        found = declared(value)
+        if found is not None and found.function.__module__ == module:
+            yield found
 
 
 def module_of(declaration: Declaration) -> str:

@@ -16,7 +16,7 @@ from contin.kernels.building.functions import REGISTRY, NumbaCompiler
 from contin.kernels.building.targets import EVERY, BuildTarget
 from contin.machine import objects
 
-SELDOM: Final = 100_000
+SELDOM: Final = 500_000
 """New objects after which garbage is looked for: numba makes millions, and nearly all live until a kernel is done."""
 
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Stop
+
+
+FILLED: Final = 0.8  # part of its rows that a march of thousands of unknowns keeps all of them for
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +43,10 @@ class Rows:
         return int(self.info[0]) + 1
 
     def chunk(self, stop: Stop, reference: float = 0.0, dipped: int = 0, detail: str = "") -> Chunk:
-        """What was marched."""
+        """What was marched; the arrays are let go where most of their rows were not needed."""
         m, info = len(self), self.info
+        z, t = (rows[:m] if FILLED * len(rows) <= m else rows[:m].copy() for rows in (self.z, self.t))
         return Chunk(
-            self.z[:m], self.t[:m], self.tests[:m], self.unstable[:m], self.re[:m] + 1j * self.im[:m], self.lengths[:m],
-            stop, float(info[1]), reference, dipped, int(info[2]), detail,
+            z, t, self.tests[:m], self.unstable[:m], self.re[:m] + 1j * self.im[:m], self.lengths[:m], stop,
+            float(info[1]), reference, dipped, int(info[2]), detail,
         )  # fmt: skip
