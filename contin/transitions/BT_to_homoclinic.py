@@ -24,7 +24,7 @@ from contin.normalforms.sources import compiled_jet
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import indices
-from contin.transitions.registry import born
+from contin.transitions.registry import Explored, born
 from contin.transitions.small_cycles import compiled, follows_cycles
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ HALF_TIME = 6.0  # half of the time interval in units of the predicted orbit's o
 ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its prediction
 
 
-@born(LocusProblem, "BT", "the curve of homoclinic orbits", parameters=2, order=1)
+@born(LocusProblem, "BT", "the curve of homoclinic orbits", parameters=2, order=1, explored=Explored(orbits=True))
 def homoclinic_at_bogdanov_takens(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of homoclinic orbits that leaves a Bogdanov-Takens point; none where the prediction does not hold."""
     if not follows_cycles(problem):

@@ -12,11 +12,11 @@ from contin.errors import InputError
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.normalforms.hopf import lpc_predictor
 from contin.transitions.locus_to_loci import loci_through
-from contin.transitions.registry import born
+from contin.transitions.registry import Explored, born
 from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 
 
-@born(LocusProblem, "GH", "the curve of folds of cycles", parameters=2)
+@born(LocusProblem, "GH", "the curve of folds of cycles", parameters=2, explored=Explored(orbits=True))
 def folds_at_generalised_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of folds of cycles (LPC) that ends at a generalised Hopf (Bautin) point."""
     if not follows_cycles(problem):

@@ -11,11 +11,11 @@ from contin.continuation.departure import Seed
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
 from contin.normalforms.hopf_hopf import torus_predictors
-from contin.transitions.registry import born
+from contin.transitions.registry import Explored, born
 from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 
 
-@born(LocusProblem, "HH", "the curves of tori", parameters=2, order=1)
+@born(LocusProblem, "HH", "the curves of tori", parameters=2, order=1, explored=Explored(orbits=True))
 def tori_at_double_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The two curves of tori (NS) at a double Hopf point: of the cycles of one pair, the other being critical."""
     if not follows_cycles(problem):

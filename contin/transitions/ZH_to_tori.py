@@ -11,11 +11,11 @@ from contin.continuation.departure import Seed
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
 from contin.normalforms.zero_hopf import torus_predictor
-from contin.transitions.registry import born
+from contin.transitions.registry import Explored, born
 from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 
 
-@born(LocusProblem, "ZH", "the curve of tori", parameters=2, order=1)
+@born(LocusProblem, "ZH", "the curve of tori", parameters=2, order=1, explored=Explored(orbits=True))
 def tori_at_zero_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of tori (NS) at a zero-Hopf point; none where its cycles are neutral saddles, or it is degenerate."""
     if point.vectors.get("plane") or not follows_cycles(problem):

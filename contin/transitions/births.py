@@ -30,8 +30,11 @@ def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
     return [seed for row in rows for seed in row.make(problem, point, parameter)]
 
 
-def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """Seeds of the curves in two (three) parameters that pass through a point of this problem's branch."""
+def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str], orbits: bool = True) -> list[Seed]:
+    """Seeds of the curves in two (three) parameters that pass through a point of this problem's branch.
+
+    orbits : those of orbits that grow from a point of equilibria, too; they take long to make.
+    """
     point = as_computed(point)
     problem = point.problem if isinstance(problem, StoredProblem) else problem
     count = max(2, len(parameters))  # one is too few, as whoever is asked for two says
@@ -41,7 +44,8 @@ def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str]) -> li
         raise InputError(
             f"{point.branch}.{point.label}: {point.type} has no curve in {words} parameters" + _where(problem, count)
         )
-    return [seed for row in rows for seed in row.make(problem, point, tuple(parameters))]
+    wanted = [row for row in rows if orbits or row.explored is None or not row.explored.orbits]
+    return [seed for row in wanted for seed in row.make(problem, point, tuple(parameters))]
 
 
 def explored(problem: Problem, point: SpecialPoint) -> Explored | None:

@@ -25,6 +25,7 @@ from contin.diagram.phase.starts import was_stopped
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.special.table import codes, crossings
+from contin.transitions import births
 
 if TYPE_CHECKING:
     pass
@@ -70,7 +71,7 @@ class Curves:
         seeds: Sequence[Seed] = ()
         place = f"{point.type} at {self.places.words(point)}: "
         with noted(lambda text: self._refuse(point, place + text if DEFECT in text else f"{text}{UNCUT}")):
-            seeds = point.locus(self.places.parameters)
+            seeds = births.loci(point.problem, point, self.places.parameters, self.orbits)
         found: list[SpecialPoint] = []
         for seed in seeds:
             with noted(lambda text: self._refuse(point, place + text)):
