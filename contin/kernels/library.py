@@ -32,9 +32,9 @@ _FOLLOWED: Final = ("defining", "rest_of_step", "steering.is_dip")
 NEXT: Final = {
     "grading": ("algebraic", *_FOLLOWED), "eigen": ("algebraic", *_FOLLOWED), "algebraic": _FOLLOWED,
 }  # fmt: skip
-"""Modules, or kernels, that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next,
-and meets special points. Processes that make kernels take a second to begin. Of these modules, kernels that are put in
-place where others call them are not made by themselves: few are called from Python, and those are named."""
+"""Modules, or kernels, that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it
+next, and meets special points. Processes that make kernels take a second to begin. Of these modules, kernels that are
+put in place where others call them are not made by themselves: few are called from Python, and those are named."""
 
 _lock = threading.RLock()
 _loaded: set[str] = set()

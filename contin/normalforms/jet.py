@@ -183,6 +183,23 @@ def along_units(jet: Jet, *directions: Vector) -> Vector:
     return np.array([jet.form(*directions, unit) for unit in np.eye(width)])
 
 
+def combined(jet: Jet, *rows: Real) -> Real:
+    """The forms at every choice of one real direction from each set, (a, width), (b, width), ...: (a, b, ..., n)."""
+    terms = jet.terms(len(rows)) if isinstance(jet, DerivativeJet) else None
+    width, shape = jet.n + jet.parameters, tuple(map(len, rows))
+    if terms is None:
+        known: dict[tuple[bytes, ...], Vector] = {}  # in whatever order directions stand
+        places = [tuple(sorted(d.tobytes() for d in chosen)) for chosen in product(*rows)]
+        for place, chosen in zip(places, product(*rows), strict=True):
+            if place not in known:
+                known[place] = jet.form(*chosen)
+        return np.array([known[place] for place in places]).reshape(*shape, jet.n)
+    found = terms
+    for place, directions in enumerate(rows):
+        found = directions @ found.reshape(*shape[:place], width, -1)
+    return found.reshape(*shape, jet.n)
+
+
 def contracted(tensor: Real, directions: tuple[Vector, ...]) -> Vector:
     """The multilinear form with these derivatives (width^order, n) at so many directions (width,)."""
     result: Vector = tensor

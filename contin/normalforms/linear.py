@@ -13,6 +13,7 @@ from operator import mul
 import numpy as np
 
 from contin.abi import Vector
+from contin.linalg.vectors import norm
 from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
@@ -90,8 +91,8 @@ def normalise(q: Vector) -> Vector:
     """q scaled to |q| = 1 with its component of largest modulus positive (for complex q: real and positive)."""
     largest = np.abs(q).max()
     q = q / largest  # first, so that the 2-norm neither overflows nor underflows
-    lead = q[int(np.argmax(np.abs(q) >= 1.0 - TIE))]
-    unit: Vector = q * (np.conj(lead) / np.abs(lead)) / np.linalg.norm(q)
+    lead = q[int((np.abs(q) >= 1.0 - TIE).argmax())]
+    unit: Vector = q * (np.conj(lead) / np.abs(lead)) / norm(q)
     return unit
 
 
@@ -140,7 +141,7 @@ def null_pair(matrix: Vector, value: complex = 0.0, scale: Real | None = None) -
     p = left[:, 0] / np.abs(left[:, 0]).max()
     product = np.vdot(p, q)
     d = balance(matrix) if scale is None else scale
-    length = float(np.linalg.norm(p * d) * np.linalg.norm(q / d))
+    length = norm(p * d) * norm(q / d)
     located = float(s[-1] / s[-2]) if len(s) > 1 and s[-2] > 0.0 else 0.0  # how far the vectors are off
     if not abs(product) > max(ORTHOGONAL, located) * length:
         raise ZeroDivisionError("left and right null vectors are orthogonal: the zero eigenvalue is not simple")
@@ -184,8 +185,8 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
     target = (r * right.T).T
     x = np.linalg.solve(scaled, target)
     x = x + np.linalg.solve(scaled, target - scaled @ x)
-    grown = float(np.linalg.norm(x)) * float(np.linalg.norm(scaled, np.inf))
-    if grown * SINGULAR > float(np.linalg.norm(target)):
+    grown = norm(x.ravel()) * float(np.abs(scaled).sum(axis=1).max())
+    if grown * SINGULAR > norm(target.ravel()):
         raise np.linalg.LinAlgError("another eigenvalue is in resonance: a coefficient has a pole here")
     answer: Vector = (c * x.T).T[:n]
     return answer

@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import DerivativeJet, Jet, Real, lift
+from contin.normalforms.jet import DerivativeJet, Jet, Real, combined, lift
 from contin.normalforms.linear import singular_vectors, solve
-from contin.normalforms.static import state, static_matrix, static_pair
+from contin.normalforms.static import static_matrix, static_pair
 
 KERNEL = 1e-6  # singular values of the equilibrated matrix below this fraction of the largest count as zero
 
@@ -82,20 +82,12 @@ def reduce(jet: Jet, dimension: int | None = None) -> Reduction:
     slope = jet.form(lift(np.zeros(jet.n), 1, 0))
     h = solve(matrix, -slope, right, left)
     lifted = np.vstack([np.hstack([right.T, np.zeros((k, 1))]), np.append(h, 1.0)])
-    size = k + 1
-    B = np.zeros((size, size, jet.n))
-    for i in range(size):
-        for j in range(i + 1):
-            B[i, j] = B[j, i] = jet.form(lifted[i], lifted[j])
+    B = combined(jet, lifted, lifted)
     second = solve(matrix, -B.reshape(-1, jet.n).T, right, left).T.reshape(B.shape)
-    T3 = np.zeros((size, size, size, k))
-    for i in range(size):
-        for j in range(i + 1):
-            for m in range(j + 1):
-                value = jet.form(lifted[i], lifted[j], lifted[m])
-                for a, b, c in ((i, j, m), (j, i, m), (m, i, j)):
-                    value = value + jet.form(lifted[a], state(jet, second[b, c]))
-                for a, b, c in {(i, j, m), (i, m, j), (j, i, m), (j, m, i), (m, i, j), (m, j, i)}:
-                    T3[a, b, c] = left.T @ value
+    driven = np.zeros((len(lifted) ** 2, jet.n + 1))
+    driven[:, :-1] = second.reshape(-1, jet.n)
+    mixed = combined(jet, lifted, driven).reshape(*[len(lifted)] * 3, jet.n)
+    mixed = mixed + mixed.transpose(1, 0, 2, 3) + mixed.transpose(1, 2, 0, 3)
+    T3 = (combined(jet, lifted, lifted, lifted) + mixed) @ left
     T2 = np.moveaxis(B @ left, -1, 0)
     return Reduction(jet, right, left, h, left.T @ slope, lifted, T2, second, np.moveaxis(T3, -1, 0))

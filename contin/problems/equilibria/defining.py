@@ -171,8 +171,8 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     left, singular, right = np.linalg.svd(matrix, full_matrices=False)
     flat = singular <= FLAT * max(float(singular[0]), float(sizes.max()))
     some = bool(flat.any())
-    inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular)) if some else 1.0 / singular  # flat: see `_reach`
-    row = (right.T[position] * inverses) @ left.T
+    inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular)) if some else 1.0 / singular
+    row = (right.T[position] * inverses) @ left.T  # without the flat directions, see `_reach`
     weights, steep = np.abs(row), right[~flat] if some else right
     close, ahead, behind = sampled[2 : 2 + SAMPLES], sampled[2 + SAMPLES : -SAMPLES], sampled[-SAMPLES:]
     estimates = (steps @ steep.T) @ steep[:, position] - close @ row

@@ -411,19 +411,18 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
 def _tangents(local: ScaledSystem, y: Array) -> list[Array]:
     """The same in balanced units."""
     _, jacobian = local.linearise(y)
-    _, singular, right = np.linalg.svd(jacobian)
+    left, singular, right = np.linalg.svd(jacobian)
     size = max(float(singular[0]), 1e-300)
     if singular[-1] > 1e-6 * size and local.n > 1:
         return [right[-1]]
     # all of J may vanish at the point: its size is also what it grows to over one unit of length
-    size = max(
-        size, float(np.linalg.norm(local.hessian(y, right[-1]))), float(np.linalg.norm(local.hessian(y, right[-2])))
-    )
+    bends = [local.hessian(y, v) for v in right[-2:]]
+    size = max(size, *(float(np.linalg.norm(bend)) for bend in bends))
     corank = int(np.sum(singular <= 1e-9 * size))
     if corank == 0:
         return [right[-1]]
     if corank == 1:
-        return crossing_tangents(local, y) or [right[-1]]
+        return _crossing(left[:, -1], right[-2:], bends) or [right[-1]]
 
     turning = turning_kernel(local.problem, y * local.scale, local.scale[:-1], corank)
     if turning is not None:  # the branch at hand is that of the states that the rotation keeps
@@ -443,9 +442,13 @@ def crossing_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     With N (n + 1, 2) spanning ker J and psi the left null vector, tangents N (a, b) solve the algebraic branching
     equation sum_ij psi . D^2F[N_i, N_j] a_i a_j = 0 (Keller 1977). Empty where it has no two real solutions.
     """
-    _, jacobian = local.linearise(y)
-    left, kernel = defining.singular_basis(jacobian, 1)
-    c = np.array([[float(left[:, 0] @ local.form(y, kernel[:, i], kernel[:, j])) for j in range(2)] for i in range(2)])
+    left, kernel = defining.singular_basis(local.linearise(y)[1], 1)
+    return _crossing(left[:, 0], kernel.T, [local.hessian(y, v) for v in kernel.T])
+
+
+def _crossing(left: Array, kernel: Array, bends: Sequence[Array]) -> list[Array]:
+    """The same, given psi, N^T and the matrices D^2F[N_i, .]."""
+    c = np.array([bend.T @ left for bend in bends]) @ kernel.T
     angles, sizes = np.linalg.eigh(c)
     # c = Q diag(l1, l2) Q^T: a^T c a = 0 along sqrt(-l2 / l1)
     if angles[0] * angles[1] >= 0.0:
@@ -454,6 +457,6 @@ def crossing_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     tangents = []
     for sign in (1.0, -1.0):
         a = sizes[:, 0] + sign * ratio * sizes[:, 1]
-        t = kernel @ a
+        t = a @ kernel
         tangents.append(t / np.linalg.norm(t))
     return tangents

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Stop
 
-
 FILLED: Final = 0.8  # part of its rows that a march of thousands of unknowns keeps all of them for
 
 
