@@ -195,8 +195,8 @@ def combined(jet: Jet, *rows: Real) -> Real:
                 known[place] = jet.form(*chosen)
         return np.array([known[place] for place in places]).reshape(*shape, jet.n)
     found = terms
-    for place, directions in enumerate(rows):
-        found = directions @ found.reshape(*shape[:place], width, -1)
+    for axis, directions in enumerate(rows):
+        found = directions @ found.reshape(*shape[:axis], width, -1)
     return found.reshape(*shape, jet.n)
 
 

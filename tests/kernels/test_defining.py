@@ -54,6 +54,13 @@ def test_the_kernel_has_the_equations_that_numpy_has_and_their_derivatives(kind,
         [*systems[1].at(x), systems[1].values(rows), systems[1].terms(x)], strict=True,
     ):  # fmt: skip
         np.testing.assert_allclose(ours, others, rtol=1e-10, atol=1e-10 * np.abs(others).max())
+    for system in systems:  # in one call, or in several: the same numbers
+        values, matrices, terms = system.around(rows)
+        assert np.array_equal(values[2:], system.values(rows[2:]))
+        assert np.array_equal(terms, system.terms(rows[0]))
+        for value, matrix, row in zip(values, matrices, rows, strict=False):
+            assert np.array_equal(value, system.at(row)[0])
+            assert np.array_equal(matrix, system.at(row)[1])
     step = 1e-5 * np.eye(x.size)
     slopes = (systems[0].values(x + step) - systems[0].values(x - step)).T / 2e-5
     matrix = systems[0].at(x)[1]

@@ -5,6 +5,8 @@ import stat
 
 import pytest
 
+from contin.kernels import grading, library
+from contin.kernels.callees import declared
 from contin.machine import objects
 from contin.machine.folder import open_folder
 from tests.kernels.small import CALLEE, copy, run
@@ -129,3 +131,9 @@ def test_an_error_in_a_kernel_is_told_by_name(home, tmp_path):
         "except KernelError as error: print(error)"
     )
     assert "the kernel callee.value could not be compiled" in run(folder, code, cache=tmp_path / "empty")[0]
+
+
+def test_what_an_equilibrium_needs_first_leaves_out_what_is_only_put_in_place():
+    pieces = {d.name: d for d in library._companions(declared(grading.grade))}
+    assert {"algebraic.march", "defining.evaluate", "rest_of_step.is_clear"} <= pieces.keys()
+    assert [name for name, d in pieces.items() if d.inlined] == ["steering.is_dip"]  # the one that Python calls, too

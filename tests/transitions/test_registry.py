@@ -45,6 +45,13 @@ def point(type_):
     return SimpleNamespace(type=type_, branch="line", label=f"{type_}1", problem=None)
 
 
+def test_curves_of_orbits_are_made_only_where_they_are_wanted(rows):
+    born(Mine, "BT", "the other curve", parameters=2)(birth("curve"))
+    born(Mine, "BT", "orbits", parameters=2, order=1, explored=Explored(orbits=True))(birth("orbits"))
+    assert loci(Mine(), point("BT"), ("p", "q")) == ["curve", "orbits"]
+    assert loci(Mine(), point("BT"), ("p", "q"), orbits=False) == ["curve"]
+
+
 def test_a_row_for_the_label_comes_before_one_for_all_and_a_class_before_its_base(rows):
     born(Mine, "", "anything")(birth("any"))
     born(Mine, "LP", "at folds")(birth("fold"))
