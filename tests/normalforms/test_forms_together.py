@@ -1,4 +1,4 @@
-"""Forms that are evaluated together are the forms one by one, whether all derivatives of an order are at hand or not."""
+"""Forms that are evaluated together are the forms one by one, whether or not all derivatives are at hand."""
 
 from itertools import product
 
