@@ -8,6 +8,7 @@ largest size; where the operator is not known entry by entry, until the unstable
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -27,8 +29,7 @@ MARGIN = 1.3  # by which the radius exceeds what must be inside
 CONVERGED = 1e-4  # relative error of an eigenvalue, for detection
 SOLVED = 1e-6  # residual of a solve; that part of an eigenvalue is lost by it
 LARGEST_BASIS = 160
-DAVIDSON_STEPS = 3
-DAVIDSON_SETTLED = 0.1  # corrections below this make their eigenvectors accurate enough
+STEPS_OF_DAVIDSON = 6.9  # steps reduce errors to a thousandth
 DAVIDSON_ACCURACY = 1e-2  # of eigenvectors; eigenvalues have its square
 FORESEEN = 0.1  # part of that below which a correction is not made that the last ones say to be as small
 INDEPENDENT = 1e-8  # part of a vector outside of others from which it is not one of their combinations
@@ -142,30 +143,32 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
 
 
 def followed(
-    linear: Linear, precondition: Callable[[Array], Array], vectors: NDArray[np.complex128], gain: float = np.inf
+    linear: Linear, precondition: Callable[[Array], Array], rate: float, vectors: NDArray[np.complex128],
+    gain: float = np.inf,
 ) -> tuple[Spectrum, float]:
     """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
 
-    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j).  gain : how much larger corrections were
-    than their residuals at the point before; what it is here is returned too. About 2 k applications of the operator
+    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j).  rate : what part of an error it leaves,
+    so that an error is up to 1/(1 - rate) times its correction.  gain : how much larger corrections were than their
+    residuals at the point before; what it is here is returned too. About 2 k applications of the operator
     and of the approximate inverse, of the latter none where `gain` says that nothing is left to correct.
     """
     wanted = vectors.shape[1]
     basis = orthonormal(np.vstack([vectors.real.T, vectors.imag.T]))
     images = np.array([linear.apply(v) for v in basis])
-    settled = False
-    for _ in range(DAVIDSON_STEPS + 1):
+    settled, longer = False, 1.0 / (1.0 - rate)
+    for _ in range(math.ceil(STEPS_OF_DAVIDSON / abs(elementary.log(rate))) + 1):
         values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
         order = np.argsort(-values.real)[:wanted]
         values, ritz = values[order], ritz[:, order].T
-        if settled:  # the last correction was small, and convergence is quadratic
+        if settled:  # what the last correction has left is small
             break
         parts: list[Array] = []
         for k in np.flatnonzero(values.imag >= 0.0):
             residual = _combined(ritz[k], images) - values[k] * _combined(ritz[k], basis)
             parts += [residual.real, residual.imag] if values[k].imag > 0.0 else [residual.real]
         left = max(norm(r) for r in parts)
-        if gain * left < FORESEEN * DAVIDSON_ACCURACY:
+        if longer * gain * left < FORESEEN * DAVIDSON_ACCURACY:
             break
         steps = [outside(step, basis) for step in precondition(np.column_stack(parts)).T]
         worst = max(norm(s) for s in steps)
@@ -177,7 +180,7 @@ def followed(
             break
         basis = np.vstack([basis, fresh])
         images = np.vstack([images, [linear.apply(v) for v in fresh]])
-        settled = worst < DAVIDSON_SETTLED
+        settled = rate * longer * worst < DAVIDSON_ACCURACY
     near = np.argsort(np.abs(values))
     right = np.array([_combined(ritz[k], basis) for k in near])
     return Spectrum(values[near].astype(complex), right.T.astype(complex), False), gain

@@ -14,11 +14,13 @@ from contin.linalg.bordered import Approximate, ApproximateBordered, Solver, bor
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, Accuracy, gmres
 from contin.linalg.tally import Tally
+from contin.machine import elementary
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
+TELLING = 3  # iterations from which they tell a rate
 ROUNDED = 1e-15  # relative residual below which rounding does not let it fall
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
 
@@ -131,6 +133,7 @@ class KrylovLinear:
         self.borders: dict[int, tuple[Vector, object]] = {}
         self.iterations = 0  # of the worst solve so far: when it grows, the preconditioner is out of date
         self.used = 0  # of all solves
+        self.rate = 0.0  # by which an iteration reduces the residual in the worst solve that began at zero
 
     def apply(self, x: Vector) -> Vector:
         if np.iscomplexobj(x):
@@ -149,8 +152,10 @@ class KrylovLinear:
             return self.approximate(right.real) + 1j * self.approximate(right.imag)
         return self.approximate(right)
 
-    def _finish(self, found: tuple[Vector, int, float], wanted: float = TOLERANCE) -> Vector:
+    def _finish(self, found: tuple[Vector, int, float], wanted: float = TOLERANCE, guessed: bool = False) -> Vector:
         x, used, residual = found
+        if used >= TELLING and not guessed:
+            self.rate = max(self.rate, elementary.pow(residual, 1.0 / used))
         self.iterations = max(self.iterations, used)
         self.used += used
         return x if residual <= max(ACCURATE, wanted) else np.full_like(x, np.nan)
@@ -211,7 +216,7 @@ class KrylovBordered:
         if self.linear.exact and not self.complex_:
             return np.asarray(self.preconditioner.solve(right))
         found = gmres(self._apply, self.preconditioner.solve, right, self.tolerance, guess, accuracy)
-        return self.linear._finish(found, self.tolerance)
+        return self.linear._finish(found, self.tolerance, guess is not None)
 
 
 def _alike(old: Vector, new: Vector, n: int) -> bool:

@@ -26,15 +26,16 @@ if TYPE_CHECKING:
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
 WORSE = 1.5  # ratio of GMRES iterations to those of a new preconditioner from which the user's is made anew, ...
 MORE = 3  # ... and as many beside
-STRONG = 20  # GMRES iterations (to eleven digits) up to which a new preconditioner is nearly an inverse
+WEAK = 0.7  # of an error, left by one application of a preconditioner
 
 
 @dataclass(eq=False)
 class Held:
-    """A user's preconditioner and the GMRES iterations that it took when it was new (0: not known yet)."""
+    """A user's preconditioner, the GMRES iterations that it took when it was new (0: not known yet), and their rate."""
 
     apply: Callable[[Array], Array]
     iterations: int = 0
+    rate: float = 1.0
 
 
 class JacobianSource:
@@ -80,7 +81,7 @@ class JacobianSource:
         """
         last, held, before = self._last, self._held, self._before
         if held is not None and last is not None and held.iterations == 0:
-            held.iterations = last.iterations
+            held.iterations, held.rate = last.iterations, last.rate or 1.0
             if before is not None and held.iterations > before.iterations:
                 held, self._before, last = before, None, None
         if held is None or (last is not None and last.iterations > WORSE * held.iterations + MORE):
@@ -100,13 +101,13 @@ class JacobianSource:
         self._last = KrylovLinear(product, apply_here, matrix=matrix, tally=self.factoriser.tally)
         return self._last
 
-    def corrects(self) -> bool:
-        """True where one application of the user's preconditioner, made at an earlier point, nearly solves.
+    def rate(self) -> float | None:
+        """What part of an error one application of the user's preconditioner leaves about; None where it is weak.
 
-        Eigenvectors are corrected by it (Davidson's method), whose corrections would look small with a weak one.
+        Eigenvectors are corrected by it (Davidson's method), whose corrections by a weak one are no measure of errors.
         """
         held = self._held
-        return held is not None and 0 < held.iterations <= STRONG
+        return held.rate if held is not None and held.iterations > 0 and held.rate <= WEAK else None
 
     def matrix(self, u: Array, p: Array) -> csc_matrix:
         """F_u as a CSC matrix."""

@@ -23,6 +23,7 @@ from contin.systems.functions.function_system import FunctionSystem
 
 STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
+OLD = 0.09  # part of an error that factors of an earlier point leave
 NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
 
 
@@ -125,7 +126,7 @@ class LargeEquations(InOneParameterProblem):
         radius = 0.0
         old = None if at_zero else self._old_inverse(linear)
         if old is not None and work.vectors is not None:
-            found, work.gain = followed(linear, old, work.vectors, work.gain)
+            found, work.gain = followed(linear, *old, work.vectors, work.gain)
             work.vectors = found.vectors
             return found
         if linear.matrix is not None:
@@ -147,15 +148,15 @@ class LargeEquations(InOneParameterProblem):
             work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
         return found
 
-    def _old_inverse(self, linear: Linear) -> Callable[[Array], Array] | None:
-        """About A^-1 times columns, from factors or a preconditioner of an earlier point; None where there is none."""
+    def _old_inverse(self, linear: Linear) -> tuple[Callable[[Array], Array], float] | None:
+        """About A^-1 times columns, from factors or a preconditioner of an earlier point, and what part of an error it
+        leaves; None where there is none."""
         if not isinstance(linear, KrylovLinear) or linear.fresh:
             return None
         if linear.precise is not None:
-            return linear.precise.solve
-        if not self.source.corrects():
-            return None
-        return lambda columns: np.column_stack([linear.precondition(r) for r in columns.T])
+            return linear.precise.solve, OLD
+        rate = self.source.rate()
+        return None if rate is None else (lambda cs: np.column_stack([linear.precondition(r) for r in cs.T]), rate)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         judged = self.work.judged

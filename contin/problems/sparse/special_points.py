@@ -360,6 +360,7 @@ def _multiple(problem: LargeEquations, near: Sample, frame: Frame, k: int) -> Ou
 def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled) of the branches through z."""
     row = np.random.default_rng(5).normal(size=len(z))
+    row[-1] = norm(row[:-1])  # what one number of many sees is little, and iterative solvers would not see it at all
     here = problem.linearisation(z, row / norm(row), scale)
     if here is None:
         raise InputError(problem.describe_failure(z))

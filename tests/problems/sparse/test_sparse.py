@@ -335,9 +335,9 @@ def test_eigenvectors_that_hardly_moved_are_followed_without_a_solve():
         return np.linalg.solve(matrix.toarray(), right)
 
     linear = KrylovLinear(lambda v: matrix @ v + shift * np.cos(np.arange(64)) * v, precondition)
-    found, gain = followed(linear, precondition, vectors[:, -3:].astype(complex))
+    found, gain = followed(linear, precondition, 0.1, vectors[:, -3:].astype(complex))
     assert len(solves) == 1
-    again, _ = followed(linear, precondition, vectors[:, -3:].astype(complex), gain)
+    again, _ = followed(linear, precondition, 0.1, vectors[:, -3:].astype(complex), gain)
     assert len(solves) == 1
     exact = np.linalg.eigvalsh(matrix.toarray() + shift * np.diag(np.cos(np.arange(64))))[-3:]
     for spectrum in (found, again):
