@@ -109,4 +109,4 @@ def test_eigenvalues_are_followed_with_a_preconditioner_that_leaves_a_third_of_a
     assert abs(a.values["lam"] - b.values["lam"]) <= a.error + b.error + 1e-13
     seconds = [np.sort(np.real(line["LP1"].eigenvalues))[-2] for line in lines]
     assert seconds[0] == pytest.approx(seconds[1], rel=1e-3)
-    assert lines[0].effort["applications"] <= 1300  # measured 1,110; a search from the start at every point takes several times as many
+    assert lines[0].effort["applications"] <= 1300  # measured 1,110; several times as many without
