@@ -7,7 +7,7 @@ polynomial change of coordinates; the Taylor coefficients of the result are exac
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations_with_replacement, permutations, product
 
 import numpy as np
@@ -27,30 +27,63 @@ def scale(a: Series, factor: float) -> Series:
     return {e: factor * c for e, c in a.items()}
 
 
+class Truncated:
+    """Series in `size` variables up to a degree as vectors of coefficients, whose products are sums over a table."""
+
+    def __init__(self, size: int, order: int) -> None:
+        self.exponents = exponents(size, 0, order)
+        self.place = {e: k for k, e in enumerate(self.exponents)}
+        every = np.array(self.exponents, dtype=int).reshape(-1, size)
+        degree, digits = every.sum(axis=1), (order + 1) ** np.arange(size)
+        codes = every @ digits
+        by_code = np.argsort(codes)
+        pairs = [(k, np.flatnonzero(degree <= order - degree[k])) for k in range(len(every))]
+        self.first = np.concatenate([np.full(len(js), k) for k, js in pairs])
+        self.second = np.concatenate([js for _, js in pairs])
+        self.product = by_code[np.searchsorted(codes, codes[self.first] + codes[self.second], sorter=by_code)]
+
+    def vector(self, series: Series) -> np.ndarray:
+        v = np.zeros(len(self.exponents))
+        for e, c in series.items():
+            if e in self.place:
+                v[self.place[e]] = c
+        return v
+
+    def series(self, vector: np.ndarray) -> Series:
+        return {self.exponents[k]: float(vector[k]) for k in np.flatnonzero(vector)}
+
+    def times(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.bincount(self.product, a[self.first] * b[self.second], len(a))
+
+
+truncated = cache(Truncated)
+
+
 def multiply(a: Series, b: Series, order: int) -> Series:
-    total: Series = {}
-    for e, c in a.items():
-        for f, d in b.items():
-            if sum(e) + sum(f) <= order:
-                g = tuple(i + j for i, j in zip(e, f, strict=True))
-                total[g] = total.get(g, 0.0) + c * d
-    return total
+    if not a or not b:
+        return {}
+    space = truncated(len(next(iter(a))), order)
+    return space.series(space.times(space.vector(a), space.vector(b)))
 
 
 def compose(a: Series, inner: list[Series], order: int) -> Series:
     """a(inner_1, inner_2, ...), inner without constant terms."""
-    zero = tuple(0 for _ in next(iter(inner[0])))
-    powers = [[{zero: 1.0}] for _ in inner]
-    total: Series = {}
+    space = truncated(len(next(iter(inner[0]))), order)
+    one = np.zeros(len(space.exponents))
+    one[space.place[(0,) * len(space.exponents[0])]] = 1.0
+    powers = [[one, space.vector(g)] for g in inner]
+    total = np.zeros(len(one))
     for e, c in a.items():
-        term: Series = {zero: c}
+        if sum(e) > order:
+            continue
+        term = c * one
         for j, k in enumerate(e):
             while len(powers[j]) <= k:
-                powers[j].append(multiply(powers[j][-1], inner[j], order))
+                powers[j].append(space.times(powers[j][-1], powers[j][1]))
             if k:
-                term = multiply(term, powers[j][k], order)
-        total = add(total, term)
-    return total
+                term = space.times(term, powers[j][k])
+        total += term
+    return space.series(total)
 
 
 def derivative(a: Series, j: int) -> Series:
