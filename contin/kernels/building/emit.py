@@ -50,8 +50,11 @@ class Translated:
     text: str
 
 
-def translate(kernel: KernelFunction) -> Translated:
-    """numba's part: types, passes, lowering. The module calls other kernels by symbol."""
+def translate(kernel: KernelFunction, called: bool = True) -> Translated:
+    """numba's part: types, passes, lowering. The module calls other kernels by symbol.
+
+    called : with the function by which Python calls it, where it can.
+    """
     declaration, signature = kernel.declaration, kernel.numba_signature
     flags = compiler.Flags()
     flags.error_model = "numpy"
@@ -64,7 +67,7 @@ def translate(kernel: KernelFunction) -> Translated:
         signature.return_type, flags, {}, pipeline_class=LeanCompiler,
     )  # fmt: skip
     library, descriptor = result.library, result.fndesc
-    if _can_be_called(kernel):
+    if called and _can_be_called(kernel):
         library.add_ir_module(_entry(kernel, library, descriptor))
     module = library._final_module
     for linked in _all(library._linking_libraries):
@@ -90,16 +93,15 @@ def _inlined(module: ir.Module, own: str) -> list[str]:
 
 def _body(name: str) -> Any:
     """A module with the code of a kernel to be put in place."""
-    module = llvm.parse_assembly(translation(name).text)
+    module = llvm.parse_assembly(translation(name, called=False).text)
     module.get_function(symbol(name)).add_function_attribute("alwaysinline")
-    module.get_function(entry_symbol(name)).linkage = "internal"
     return module
 
 
 @cache
-def translation(name: str) -> Translated:
-    """`translate`, once a process: what is put in place is wanted by several others, and for itself."""
-    return translate(REGISTRY[name])
+def translation(name: str, called: bool = True) -> Translated:
+    """`translate`, once a process: what is put in place is wanted by several others."""
+    return translate(REGISTRY[name], called)
 
 
 def emit(translated: Translated, target: BuildTarget) -> Emitted:

@@ -2,15 +2,17 @@
 
 Passes are left out that change nothing in functions without closures, `with`, generators, literal arguments and
 arithmetic of whole arrays; lifetimes of variables are found once, before lowering, not after every pass; types of
-operations on numbers are looked up once a process. The code is the same; where a number and a literal of its type took
-two copies of a numba function, they share one.
+operations on numbers, sizes of types and orders of templates are looked up once a process. The code is the same; where
+a number and a literal of its type took two copies of a numba function, they share one.
 """
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
-from numba.core import ir, types
+from numba.core import imputils, ir, ssa, types, utils
+from numba.core.base import BaseContext
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import PassManager
 from numba.core.imputils import lower_builtin
@@ -24,7 +26,7 @@ from numba.core.typed_passes import (
     PreLowerStripPhis,
 )
 from numba.core.types.misc import unliteral
-from numba.core.typing import signature
+from numba.core.typing import signature, templates
 from numba.core.untyped_passes import (
     DeadBranchPrune,
     FixupArgs,
@@ -153,6 +155,66 @@ def _needed(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) 
         self.func_ir.blocks = canonicalize_cfg(self.func_ir.blocks)
 
 
+def _registered() -> tuple[int, ...]:
+    """How much numba could have been told of since it looked last: modules, and entries of its tables."""
+    typed, lowered = templates.builtin_registry, imputils.builtin_registry
+    tables = (
+        typed.functions, typed.attributes, typed.globals, lowered.functions, lowered.getattrs, lowered.setattrs,
+        lowered.casts, lowered.constants,
+    )  # fmt: skip
+    return (len(sys.modules), *map(len, tables))
+
+
+_refresh = BaseContext.refresh
+_seen: dict[int, tuple[int, ...]] = {}
+
+
+def _refresh_if_new(self: Any) -> None:
+    """In place of numba's: it goes through all its tables whenever a function's first name for an operation is none."""
+    state = _registered()
+    if _seen.get(id(self)) != state:
+        _refresh(self)
+        _seen[id(self)] = _registered()
+
+
+_sizes: dict[str, int] = {}
+_size_of = BaseContext.get_abi_sizeof
+
+
+def _get_abi_sizeof(self: Any, kind: Any) -> Any:
+    """In place of numba's, which has LLVM read a module for every question; the answer is that of one layout."""
+    name = str(kind)
+    if "%" in name:  # a type with a name, whose members may not be known yet
+        return _size_of(self, kind)
+    known = _sizes.get(name)
+    if known is None:
+        known = _sizes[name] = _size_of(self, kind)
+    return known
+
+
+_order = utils.order_by_target_specificity
+_orders: dict[Any, Any] = {}
+
+
+def _ordered(target: Any, found: Any, fnkey: Any = "") -> Any:
+    """In place of numba's: the order of a function's templates is known from its last call."""
+    key = (target, tuple(found))
+    known = _orders.get(key)
+    if known is None:
+        known = _orders[key] = _order(target, found, fnkey)
+    return known
+
+
+class _Silent:
+    """In place of the log of numba's form of single assignment, to which every statement is told."""
+
+    def debug(self, *_: object) -> None: ...
+
+
+ssa._logger = _Silent()  # type: ignore[assignment,unused-ignore]
+BaseContext.refresh = _refresh_if_new  # type: ignore[method-assign,unused-ignore]
+BaseContext.get_abi_sizeof = _get_abi_sizeof  # type: ignore[method-assign,unused-ignore]
+utils.order_by_target_specificity = _ordered
 ir.Inst._rec_list_vars = _variables  # type: ignore[method-assign,unused-ignore]
 PostProcessor.run = _needed  # type: ignore[method-assign,unused-ignore]
 types.Function.get_call_type = _get_call_type  # type: ignore[method-assign,unused-ignore]
