@@ -102,13 +102,17 @@ class Marchable(Correctable, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
-    """Newton's result on the plane: the point, the last linearisation, and how hard it was."""
+    """Newton's result on the plane: the point, the last linearisation, and how hard it was.
+
+    off : the (scaled) length from where `last` was made to the point.
+    """
 
     z: Array
     y: Array
     last: Linearisation
     first_correction: float
     iterations: int
+    off: float = 0.0
 
 
 Again = Callable[[Linearisation, Array], Linearisation | None]  # the same matrix with the residual at another point
@@ -123,7 +127,7 @@ def correct(
     With `again`, matrices serve twice: that of the last step (`before`) for the first iteration, and the first new one
     for what is left to correct after it. The result's own matrix is from within `CLOSE` of the point.
     """
-    size_before, first = np.inf, 0.0
+    size_before, first, off = np.inf, 0.0, 0.0
     once_more = True  # where the last matrix may be another one than that of the point
     here, fresh, compare = before, False, False  # compare: the last step was Newton's, so this one must be shorter
     for iteration in range(1, NEWTON_LIMIT + 1):
@@ -146,6 +150,7 @@ def correct(
         if not size < 1e3:
             return Failure.DIVERGED
         here = here if chord else now
+        off = off + size if chord else size
         y = y + step
         first = size if first == 0.0 else first
         ratio = size / size_before
@@ -159,10 +164,12 @@ def correct(
             done = True
         once_more = once_more and size > tolerance
         if done:
-            last = here if fresh and here is not None else problem.linearisation(z0 + scale * y, tangent, scale)
+            made = here if fresh else None
+            last = problem.linearisation(z0 + scale * y, tangent, scale) if made is None else made
             if last is None:
                 return Failure.NOT_FINITE
-            return Corrected(z0 + scale * y, y, last, first, iteration - int(before is not None))
+            iterations = iteration - int(before is not None)
+            return Corrected(z0 + scale * y, y, last, first, iterations, 0.0 if made is None else off)
         size_before, compare = size, fresh
     return Failure.NO_CONVERGENCE
 

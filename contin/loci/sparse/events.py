@@ -110,7 +110,8 @@ def verify(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> Out
 
 def _verified(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> Outcome:
     if type_ == "BT" and problem.locus == "HB":
-        return _takens_by_folds(problem, near, frame)
+        by_folds = _takens_by_folds(problem, near, frame)
+        return by_folds if isinstance(by_folds, Verified) else _takens_by_frequency(problem, near, frame, by_folds)
     measure = _measure(problem, type_, near)
     if isinstance(measure, Rejected):
         return unverified(type_, measure.reason)
@@ -166,12 +167,7 @@ def _sized(test: Callable[[At], float], problem: OnLargeCurve, near: Sample, typ
 
 def _takens_by_folds(problem: OnLargeCurve, near: Sample, frame: Frame) -> Outcome:
     """BT from a curve of Hopf points: on the curve of folds through it, where it is a regular zero."""
-    hopf = problem.curve
-    folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
-    z = np.concatenate([near.z[: problem.n], near.z[-2:]])
-    at = hopf.pairs_at(near.z)
-    folds.start(z, np.real(at.at[0].v))
-    locus = replace(problem, curve=folds)
+    locus, z = _folds_through(problem, near.z)
     scale = np.delete(frame.scale, -3)
     tangents = locus.tangents(z, scale)
     if not tangents:
@@ -182,6 +178,32 @@ def _takens_by_folds(problem: OnLargeCurve, near: Sample, frame: Frame) -> Outco
         return found
     placed = np.concatenate([found.z[: problem.n], [0.0], found.z[-2:]])
     return replace(found, z=placed)
+
+
+def _folds_through(problem: OnLargeCurve, z: Array) -> tuple[OnLargeCurve, Array]:
+    """The curve of folds through a point of a curve of Hopf points next to a BT, and that point's unknowns there."""
+    hopf = problem.curve
+    folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
+    moved = np.concatenate([z[: problem.n], z[-2:]])
+    folds.start(moved, np.real(hopf.pairs_at(z).at[0].v))
+    return replace(problem, curve=folds), moved
+
+
+def _takens_by_frequency(problem: OnLargeCurve, near: Sample, frame: Frame, refused: Outcome) -> Outcome:
+    """BT where kappa = omega^2 vanishes on the curve of Hopf points itself, where there is no curve of folds.
+
+    So it is where the equilibrium exists at all parameters: a curve of branch points passes there. kappa is an unknown.
+    """
+    size = problem.curve.memory.size
+    found = secant(problem, near, frame, lambda at: problem.curve.kappa(at.z) / size)
+    if found is None or not max(found.at.residual, abs(found.left)) < RESIDUAL_LIMIT:
+        return refused
+    locus, z = _folds_through(problem, found.at.z)
+    own = problem.curve.memory.borders  # F_p is no border there, and <p, q0> = 0: these hold a part along q1
+    assert own is not None
+    locus.curve.memory.borders = replace(own, regular=own.c)
+    there = _described(locus, "BT", z, max(found.at.residual, abs(found.left)), found.error, frame.scale[-2:])
+    return replace(there, z=np.concatenate([z[: problem.n], [0.0], z[-2:]]))
 
 
 def _described(

@@ -16,13 +16,12 @@ from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
 from contin.linalg.vectors import norm
 from contin.loci.codim2.zero_hopf_crossing import EXACT
-from contin.loci.sparse.singular import Folds
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.linear import normalise
 from contin.normalforms.point import normal_form as dense_form
 from contin.normalforms.result import NO_FORM
-from contin.problems.sparse.forms import state
+from contin.problems.sparse.forms import Derivatives, state, with_errors
 from contin.records import Fields
 
 if TYPE_CHECKING:
@@ -56,30 +55,32 @@ def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widt
 def cusp(problem: OnLargeCurve, z: Array) -> Fields:
     """c = <p, C(q,q,q) + 3 B(q,h)>/6 with A h = -B(q,q), <p, h> = 0, <p, q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
     branch, point = problem.curve.branch(z)
-    at = problem.curve.singular(z)
-    assert isinstance(at, Folds)
-    q = normalise(np.real(at.at.v))
-    size = float(np.real(at.at.functional(q)))
+    line = problem.curve.folds_at(z).at
+    q = normalise(np.real(line.v))
+    size = float(np.real(line.functional(q)))
     direction = state(q)
-    quadratic = branch.form(point, direction, direction)
-    h = -np.real(at.at.residue(quadratic)[0])
-    h = h - float(np.real(at.at.functional(h))) / size * q
-    cubic = branch.form(point, direction, direction, direction) + 3.0 * branch.form(point, direction, state(h))
-    return {"c": float(np.real(at.at.functional(cubic))) / size / 6.0}
+
+    def coefficients(form: Derivatives) -> dict[str, float]:
+        h = -np.real(line.residue(form(direction, direction))[0])
+        h = h - float(np.real(line.functional(h))) / size * q
+        cubic = form(direction, direction, direction) + 3.0 * form(direction, state(h))
+        return {"c": float(np.real(line.functional(cubic))) / size / 6.0}
+
+    found, errors = with_errors(branch, point, coefficients)
+    return {**found, "errors": errors}
 
 
 def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
-    """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0."""
+    """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0.
+
+    `s` = sign(a b), where both differ from zero by more than their errors, else `kind` says that it is degenerate.
+    """
     branch, point = problem.curve.branch(z)
-    at = problem.curve.singular(z)
-    assert isinstance(at, Folds)
-    line = at.at
+    line = problem.curve.folds_at(z).at
     q0 = normalise(np.real(line.v))
     q1 = np.real(line.residue(q0)[0])
     q1 = q1 - (q0 @ q1) * q0
     size = float(np.real(line.functional(q1)))
-    b00 = branch.form(point, state(q0), state(q0))
-    b01 = branch.form(point, state(q0), state(q1))
 
     def p1(r: Array) -> float:
         return float(np.real(line.functional(r))) / size
@@ -88,8 +89,14 @@ def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
         """<p0, r> = <p1, x> with A x = r - <p1, r> q1, since A^T p0 = p1 and p0.q1 = 0."""
         return p1(np.real(line.residue(r - p1(r) * q1)[0]))
 
-    form = {"a": 0.5 * p1(b00), "b": p0(b00) + p1(b01)}
-    return form, {"null": q0, "generalised": q1}
+    def coefficients(form: Derivatives) -> dict[str, float]:
+        b00, b01 = form(state(q0), state(q0)), form(state(q0), state(q1))
+        return {"a": 0.5 * p1(b00), "b": p0(b00) + p1(b01)}
+
+    found, errors = with_errors(branch, point, coefficients)
+    known = abs(found["a"]) > errors["a"] and abs(found["b"]) > errors["b"]
+    sign: Fields = {"s": 1 if found["a"] * found["b"] > 0.0 else -1} if known else {"kind": "degenerate"}
+    return {**found, **sign, "errors": errors}, {"null": q0, "generalised": q1}
 
 
 def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields, widths: Array) -> Fields:

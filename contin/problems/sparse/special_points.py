@@ -102,7 +102,13 @@ def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Ar
         found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, NOISE)
     if isinstance(found, Failure):
         return None
-    t = found.last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
+    last = found.last
+    if found.off > ACCURACY:  # its tangent is off by as much, and what is measured with it
+        there = problem.linearisation(found.z, base.tangent, frame.scale)
+        if there is None:
+            return None
+        last = there
+    t = last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
     residual = problem.residual(found.z) / frame.scale[:-1]
     return At(found.z, t / norm(t), float(np.max(np.abs(residual))))
 
