@@ -9,6 +9,7 @@ from contin.continuation.departure import Seed
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.large_orbits.large_orbit import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
+from contin.problems.large_orbits.layout import OnPoints
 from contin.problems.large_orbits.radau import STAGES, Trajectory
 from contin.problems.sparse.large_equilibrium import LargeProblem
 
@@ -19,7 +20,7 @@ def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> 
         problem = problem.with_active(parameter, point.z)
     n, omega, q = problem.n, float(point.vectors["omega"]), np.asarray(point.vectors["q"])
     p = problem.full_parameters(point.z)
-    orbits = LargeOrbitProblem(problem.system, p, problem.active, INTERVALS)
+    orbits = LargeOrbitProblem(problem.system, p, problem.active, OnPoints(INTERVALS))
     rest = Trajectory(np.tile(point.z[:-1], (INTERVALS, STAGES, 1)), 2.0 * np.pi / omega)
     waves = elementary.exp(2.0j * np.pi * rest.times[1:])
     first = 2.0 * (waves[:, None] * q).real

@@ -33,14 +33,15 @@ def doubled(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) -> 
     """Orbits of twice the period, along the vector that changes its sign in one."""
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
-    sweeps, orbit = problem.sweeps(point.z), problem.profile(point.z)
+    sweeps, q = problem.sweeps(point.z), np.real(point.vectors["q"])
     assert sweeps is not None
-    once = sweeps.along(np.real(point.vectors["q"]))
-    twice = replace(problem, intervals=2 * problem.intervals, memory=Memory())
-    z = np.concatenate([orbit.U.ravel(), orbit.U.ravel(), [2.0 * orbit.period, point.z[-1]]])
+    once = problem.layout.pick(sweeps.along(q), q, None)
+    twice = problem.with_layout(problem.layout.doubled())
+    states, period = point.z[:-2], float(point.z[-2])
+    z = np.concatenate([states, states, [2.0 * period, point.z[-1]]])
     size = float(point.scale[0]) / np.sqrt(len(point.scale) - 2)
     scale = twice.scale_of(size, np.array([2.0 * point.scale[-2], point.scale[-1]]))
-    direction = np.concatenate([once.ravel(), -once.ravel(), [0.0, 0.0]]) / scale
+    direction = np.concatenate([once, -once, [0.0, 0.0]]) / scale
     parent = Parent(point.branch, point.label)
     measured = int(point.values["unstable"]), point.eigenvalues**2
     return [Seed(twice, z, direction / norm(direction), None, scale, (1,), parent, measured=measured)]

@@ -1,7 +1,7 @@
 """Periodic orbits of large systems as a base of curves in two parameters.
 
-z = (U, T, second parameter, first parameter), U (N, 3, n) as in `contin.problems.large_orbits`. The large solves are
-those of a family: from interval to interval, with the monodromy matrix inside GMRES, and one column more.
+z = (states, T, second parameter, first parameter), as in `contin.problems.large_orbits`. The large solves are those of
+a family: from interval to interval, with the monodromy matrix inside GMRES, and one column more.
 """
 
 from __future__ import annotations
@@ -16,29 +16,10 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.loci.augmented.base import Base
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
-from contin.problems.large_orbits.radau import STAGES
-from contin.problems.large_orbits.sweeps import Closed
+from contin.problems.large_orbits.large_orbit_equations import OrbitLinearisation
 from contin.problems.scales import parameter_width
 
 BEHIND: Final = 3  # unknowns behind the states: period and two parameters
-
-
-@dataclass(frozen=True, eq=False)
-class ClosedInTwo:
-    """Scaled residual, and [E'; B] in scaled unknowns, B two rows."""
-
-    residual: Array
-    closed: Closed
-    scale: Array
-    intervals: int
-    sign: float = 1.0
-    log_determinant: float = 0.0
-
-    def solve(self, right: Array) -> Array:
-        """[E'; B] x = right."""
-        raw = (right[:-BEHIND] * self.scale[:-BEHIND]).reshape(self.intervals, STAGES, -1)
-        d, rest, _ = self.closed.solve(raw, right[-BEHIND:], again=True)
-        return np.concatenate([d.ravel(), rest]) / self.scale
 
 
 @dataclass(eq=False)
@@ -69,7 +50,7 @@ class LargeOrbitBase(Base):
 
     @property
     def _states(self) -> int:
-        return self.problem.intervals * STAGES * self.problem.n
+        return self.problem.states
 
     @property
     def identifying(self) -> NDArray[np.bool_]:
@@ -118,20 +99,11 @@ class LargeOrbitBase(Base):
         inner = self.inner(z)
         self.problem.settle(inner, np.zeros(inner.size), np.ones(inner.size))
 
-    def linearise(self, z: Array, scale: Array, rows: Array) -> ClosedInTwo | None:
+    def linearise(self, z: Array, scale: Array, rows: Array) -> OrbitLinearisation | None:
         if self.problem.memory.direction is None:
             self.settle(z)
-        problem, inner = self.at(z), self.inner(z)
-        residual = problem.residual(inner)
-        sweeps = problem.sweeps(inner) if np.all(np.isfinite(residual)) else None
-        if sweeps is None:
-            return None
-        columns = problem.by_scalars(inner, (self.second, problem.active))
-        direction = np.append(problem.memory.direction, np.zeros(BEHIND))  # type: ignore[arg-type]
-        size = float(scale[0]) / np.sqrt(self._states)
-        closed = Closed.of(sweeps, -columns, np.vstack([direction, rows / scale]), np.append(size, scale[-BEHIND:]))
-        phase = residual[-1]
-        return ClosedInTwo(np.append(residual[:-1] / scale[:-BEHIND], phase), closed, scale, problem.intervals)
+        problem = self.at(z)
+        return problem.bordered(self.inner(z), (self.second, problem.active), rows, scale)
 
     def columns(self, z: Array) -> dict[str, Array]:
         found: dict[str, list[float]] = {}

@@ -153,17 +153,21 @@ class Turning:
         if here is None or t is None:
             return np.full(1, np.nan)
         problem, raw = self.base.at(z), t * self._own
-        d = problem.profile(raw).U
+        inner = self.base.inner(z)
+        d = problem.carried(inner, raw)
+        if d is None:
+            return np.full(1, np.nan)
+        known: Vector = d
 
         def image(family: LargeOrbitProblem, at: Array) -> Vector | None:
-            moved = family.image(at, d)
+            moved = family.image(at, known)
             by = family.by_scalars(at, (family.active,))
             return None if moved is None else moved + np.einsum("k,kjin->jin", raw[-2:], by)
 
         change = slope_of(self.base, z, x, self.scale, image)
         if change is None:
             return np.full(1, np.nan)
-        solved = here.solve(np.append(change.ravel() / self._own[:-2], [0.0, 0.0]))
+        solved = here.response(change)
         return np.array([float(solved[-1])])
 
 

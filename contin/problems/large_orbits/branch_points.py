@@ -17,7 +17,6 @@ from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verifie
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 from contin.problems.large_orbits.events import SAFETY, critical_index, excess
-from contin.problems.large_orbits.radau import A
 from contin.problems.sparse.special_points import At, point_at
 
 if TYPE_CHECKING:
@@ -80,7 +79,7 @@ def _moved_by_mesh(
         return float("inf")
     finer, there, scale = fine
     start = replace(base, z=there.z, tangent=there.tangent)
-    _, moved, _ = problem.on_intervals(finer.intervals)
+    _, moved, _ = problem.finer()
     found = _samples(finer, start, Frame(scale), centre + APART[-1] * PLACES, moved(line))
     if found is None:
         return float("inf")
@@ -121,16 +120,16 @@ def null_vector(problem: LargeOrbitEquations, z: Array, q: Array, own: Array, sc
 
     M q = q + c f(u(0)): the period changes by -c, and the phase is that of z.
     """
-    sweeps, orbit = problem.sweeps(z), problem.profile(z)
+    sweeps, orbit, p = problem.sweeps(z), problem.profile(z), problem.full_parameters(z)
     assert sweeps is not None
-    velocity = problem.system.value(orbit.U[-1, 2], problem.full_parameters(z))
+    velocity = problem.system.value(orbit.beginnings[0], p)
     moved = sweeps.monodromy(q)
     c = dot(velocity, moved - q) / dot(velocity, velocity)
-    rates = problem.points.values(orbit.U.reshape(-1, problem.n), problem.full_parameters(z)).reshape(orbit.U.shape)
-    drift = np.einsum("ik,jkn->jin", A, rates) * orbit.h
-    d = sweeps.along(q, -c * drift)
-    slopes = orbit.slopes
-    d -= slopes * (float(np.sum(slopes * d)) / float(np.sum(slopes * slopes)))
-    vector = np.concatenate([d.ravel(), [-c, 0.0]]) / scale
+    d = sweeps.along(q, -c * problem.by_scalars(z, ())[0])
+    states = problem.layout.pick(d, q, None)
+    slopes = problem.layout.slopes(problem.points, p, orbit)
+    weighted = slopes * problem.layout.weights(orbit)
+    states = states - slopes * (float(np.sum(weighted * states)) / float(np.sum(weighted * slopes)))
+    vector = np.concatenate([states, [-c, 0.0]]) / scale
     vector -= dot(vector, own) * own
     return np.asarray(vector / norm(vector))

@@ -1,7 +1,8 @@
 """Periodic orbits of large systems as a continuation problem in one parameter.
 
-z = (U, T, p), U (N, 3, n) by intervals of equal length. Equations: collocation in each interval, and the integral phase
-condition sum <U_ref', U - U_ref> = 0 (Doedel), whose reference is the point that a step starts from.
+z = (states, T, p): U (N, 3, n) at the points of intervals of equal length (collocation), or x (m, n) where segments
+start (shooting). Equations: collocation in each interval, or x - flow(x) = 0, and the integral phase condition
+sum <U_ref', U - U_ref> = 0 (Doedel), whose reference is the point that a step starts from.
 """
 
 from __future__ import annotations
@@ -21,10 +22,12 @@ from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.large_orbits import branch_points, events
+from contin.problems.large_orbits.from_starts import FromStarts
 from contin.problems.large_orbits.large_orbit_equations import (
     TOLERANCE,
     LargeOrbitEquations,
 )
+from contin.problems.large_orbits.layout import Layout, OnPoints
 from contin.problems.large_orbits.multipliers import tests_of
 from contin.problems.large_orbits.radau import STAGES, extremes
 from contin.problems.orbits.hopf_end import cut_at_birth
@@ -40,13 +43,18 @@ class LargeOrbitProblem(LargeOrbitEquations):
     """The equations of `LargeOrbitEquations`, followed by the march in Python."""
 
     def configured(self, seed: Any, settings: Settings) -> Any:
-        """A seed on as many intervals as the settings want."""
-        wanted = settings.intervals
-        if wanted is None or wanted == self.intervals:
+        """A seed in the unknowns that the settings want: on so many intervals, or where so many segments start."""
+        layout = self._chosen(settings)
+        if layout is self.layout:
             return seed
-        problem, moved, metric = self.on_intervals(wanted)
+        problem, moved, metric = self.relaid(layout)
         if seed.scale is None:
             return replace(seed, problem=problem, z=moved(seed.z))
+        if isinstance(self.layout, FromStarts):
+            raise InputError(
+                "a family that is born on one by shooting is followed by shooting, with as many segments for each "
+                "period: leave settings.method and settings.intervals out"
+            )
         scale = metric(seed.scale)
         parts = [None if d is None else moved(d * seed.scale) / scale for d in (seed.direction, seed.curvature)]
         length = 1.0 if parts[0] is None else norm(parts[0])
@@ -54,7 +62,17 @@ class LargeOrbitProblem(LargeOrbitEquations):
         curvature = None if parts[1] is None else parts[1] / elementary.square(length)
         return replace(seed, problem=problem, z=moved(seed.z), direction=direction, curvature=curvature, scale=scale)
 
-    # equations --------------------------------------------------------------------------------------------------------
+    def _chosen(self, settings: Settings) -> Layout:
+        """The layout that the settings want; the own one where they do not say."""
+        own, wanted = self.layout, settings.intervals
+        shooting = isinstance(own, FromStarts) if settings.method is None else settings.method == "shooting"
+        if isinstance(own, FromStarts) and shooting:
+            return own if wanted in (None, own.segments) else FromStarts(wanted or 1)
+        if shooting:
+            return FromStarts(wanted or 1)
+        if isinstance(own, OnPoints):
+            return own if wanted in (None, own.intervals) else OnPoints(wanted or INTERVALS)
+        return OnPoints(wanted or INTERVALS)
 
     # stability --------------------------------------------------------------------------------------------------------
 
@@ -87,6 +105,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
+        self.prepare(origin.z)
         self.settle(origin.z, origin.tangent, frame.scale)
         self.memory.origin = origin
         limit = min(limit, self.maximum_chunk)
@@ -142,7 +161,8 @@ class LargeOrbitProblem(LargeOrbitEquations):
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy(), "period": z[:, -2].copy()}
         low, high = [], []
         for row in z:
-            values = extremes(self._observed(row).reshape(self.intervals, STAGES, -1))
+            observed = self._observed(row)
+            values = extremes(observed.reshape(len(observed) // STAGES, STAGES, -1))
             low.append(values[0])
             high.append(values[1])
         for k, name in enumerate(self.column_names()[2:]):
@@ -158,7 +178,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
 
     def explain_columns(self, z: Array) -> str | None:
         """Why an observable is not finite on the orbit."""
-        text: str | None = self.system.explain_observables(self.profile(z).U[0, 0], self.full_parameters(z))
+        text: str | None = self.system.explain_observables(self.beginning(z), self.full_parameters(z))
         return text
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
@@ -171,15 +191,17 @@ class LargeOrbitProblem(LargeOrbitEquations):
         sweeps = self.sweeps(z[-1])
         if sweeps is None:
             return ()
-        velocity = self.system.value(self.profile(z[-1]).U[-1, 2], self.full_parameters(z[-1]))
+        velocity = self.system.value(self.beginning(z[-1]), self.full_parameters(z[-1]))
         error = norm(sweeps.monodromy(velocity) - velocity) / max(norm(velocity), 1e-300)
         if not error > COARSE_MESH or norm(velocity) == 0.0:
             return ()
-        return (
-            f"the multiplier 1 of the last orbit is right to {error:.1g} only: the mesh is coarse; write more "
-            f"`intervals` in `settings` (these are {self.intervals})",
-        )
+        more = "" if not isinstance(self.layout, OnPoints) else (
+            f": the mesh is coarse; write more `intervals` in `settings` (these are {self.layout.intervals})"
+        )  # fmt: skip
+        return (f"the multiplier 1 of the last orbit is right to {error:.1g} only{more}",)
 
     def describe_failure(self, z: Array) -> str:
-        text = self.system.explain(self.profile(z).U[0, 0], self.full_parameters(z))
-        return text or f"Try a smaller settings.step, or more settings.intervals (these are {self.intervals})."
+        text = self.system.explain(self.beginning(z), self.full_parameters(z))
+        if not isinstance(self.layout, OnPoints):
+            return text or "Try a smaller settings.step."
+        return text or f"Try a smaller settings.step, or more settings.intervals (these are {self.layout.intervals})."

@@ -1,4 +1,4 @@
-"""The equations of periodic orbits of large systems by Radau collocation, and what is kept between calls."""
+"""The equations of periodic orbits of large systems, and what is kept between calls."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from contin.continuation.problem import Frame, Sample
 from contin.linalg.factor import Factoriser
 from contin.linalg.vectors import norm
 from contin.machine import elementary
+from contin.problems.large_orbits.layout import Layout
 from contin.problems.large_orbits.multipliers import leading
 from contin.problems.large_orbits.points import Points
-from contin.problems.large_orbits.radau import STAGES, WEIGHTS, A, Trajectory
+from contin.problems.large_orbits.radau import A, Trajectory
 from contin.problems.large_orbits.sweeps import Closed, Sweeps
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
@@ -27,12 +28,14 @@ from contin.systems.functions.function_system import FunctionSystem
 SMALL: Final = 1e-8  # amplitude (scaled) below which an orbit has no phase of its own
 SAME: Final = 1e-8  # scaled distance up to which factors serve for multipliers
 TOLERANCE: Final = 1e-11
+Moved = Callable[[Array], Array]
+
 
 @dataclass(eq=False)
 class Memory:
     """What is kept between calls: the reference of the phase, and the factors of the last point."""
 
-    reference: Array | None = None  # U
+    reference: Array | None = None  # states
     direction: Array | None = None  # of the phase condition, normalised in scaled unknowns
     last: Array | None = None  # z
     sweeps: Sweeps | None = None
@@ -42,12 +45,13 @@ class Memory:
 
 @dataclass(frozen=True, eq=False)
 class OrbitLinearisation:
-    """Scaled residual, and M = [J; t] in scaled unknowns."""
+    """Scaled residual, and [J; rows] in scaled unknowns: one row (the tangent), or more where parameters vary."""
 
     residual: Array
     closed: Closed
     scale: Array
-    intervals: int
+    layout: Layout
+    again: bool = False
     sign: float = 1.0
 
     @cached_property
@@ -60,25 +64,44 @@ class OrbitLinearisation:
         length = norm(self._null)
         return -float(elementary.log(length)) if 0.0 < length < np.inf else 0.0
 
+    @property
+    def rows(self) -> int:
+        """Conditions below the orbit's equations: the phase and those of the curve."""
+        return len(self.closed.answers)
+
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""
-        if right[-1] == 1.0 and not right[:-1].any():
+        if right[-1] == 1.0 and not right[:-1].any() and not self.again:
             return self._null
-        return self._solved(right)
+        return self._solved(right, self.again)
 
     def _solved(self, right: Array, again: bool = False) -> Array:
-        raw = right[:-2] * self.scale[:-2]
-        d, tp, _ = self.closed.solve(raw.reshape(self.intervals, STAGES, -1), right[-2:], again)
-        return np.concatenate([d.ravel(), tp]) / self.scale
+        k = self.rows
+        states = right[:-k] * self.scale[:-k]
+        sides = self.closed_sides(states) if states.any() else (None, None)
+        x, rest, _ = self.closed.solve(*sides, right[-k:], again)
+        return np.concatenate([x, rest]) / self.scale
 
+    def closed_sides(self, states: Array) -> tuple[Array | None, dict[int, Vector] | None]:
+        """A right side of the orbit's equations as the sweeps take it."""
+        stages, jumps = self.layout.sides(states, self.closed.sweeps.n)
+        return stages, None if jumps is None else dict(jumps)
+
+    def response(self, stages: Array) -> Array:
+        """M x = a right side (N, 3, n) of the stages, in scaled unknowns."""
+        x, rest, _ = self.closed.solve(stages, None, np.zeros(self.rows), self.again)
+        return np.concatenate([x, rest]) / self.scale
 
 
 @dataclass(frozen=True, eq=False)
 class LargeOrbitEquations(InOneParameterProblem):
-    """Orbits of a large system; `base` holds all parameters, entry `active` varies."""
+    """Orbits of a large system; `base` holds all parameters, entry `active` varies.
+
+    z = (states, T, p), states (S,) as the layout has them.
+    """
 
     system: FunctionSystem
-    intervals: int
+    layout: Layout
     memory: Memory = field(default_factory=Memory)
     kind = "orbit"
     locus = None
@@ -91,9 +114,14 @@ class LargeOrbitEquations(InOneParameterProblem):
         """The Jacobian of the equations."""
         return JacobianSource(self.system)
 
+    @property
+    def states(self) -> int:
+        """S"""
+        return self.layout.count(self.n)
+
     @cached_property
     def angle_periods(self) -> Array:
-        return np.zeros(self.intervals * STAGES * self.n + 1)
+        return np.zeros(self.states + 1)
 
     @property
     def winding(self) -> Array:
@@ -103,17 +131,23 @@ class LargeOrbitEquations(InOneParameterProblem):
     def with_active(self, name: str, z: Array | None = None) -> Self:
         return replace(super().with_active(name, z), memory=Memory())
 
+    def with_layout(self, layout: Layout) -> Self:
+        """The same family in other unknowns."""
+        made = replace(self, layout=layout, memory=Memory())
+        vars(made).update(source=self.source, points=self.points)
+        return made
+
     def vector(self, orbit: Trajectory, value: float) -> Array:
         """z of an orbit."""
-        return np.concatenate([orbit.U.ravel(), [orbit.period, value]])
+        return np.concatenate([self.layout.vector(orbit), [orbit.period, value]])
 
     def profile(self, z: Array) -> Trajectory:
         """The orbit over one period."""
-        return Trajectory(z[:-2].reshape(self.intervals, STAGES, self.n), float(z[-2]))
+        return self.layout.orbit(self.points, self.full_parameters(z), z[:-2], float(z[-2]))
 
-    def _rates(self, U: Array, p: Array) -> Array:
-        """f at the points, (N, 3, n)."""
-        return self.points.values(U.reshape(-1, self.n), p).reshape(U.shape)
+    def beginning(self, z: Array) -> Array:
+        """Its first state."""
+        return np.asarray(self.profile(z).beginnings[0])
 
     @cached_property
     def points(self) -> Points:
@@ -122,28 +156,31 @@ class LargeOrbitEquations(InOneParameterProblem):
 
     def settle(self, z: Array, tangent: Array, scale: Array) -> None:
         """The phase of orbits near z is that of z; of one of no size, that of the orbits it sets out to."""
-        slopes = self.profile(z).slopes.ravel()
+        p, layout = self.full_parameters(z), self.layout
+        orbit = self.profile(z)
+        slopes = layout.slopes(self.points, p, orbit)
         if norm(slopes / scale[:-2]) < SMALL:
-            slopes = self.profile(tangent * scale).slopes.ravel()
-        weighted = (slopes.reshape(self.intervals, STAGES, self.n) * WEIGHTS[:, None]).ravel() / self.intervals
+            slopes = layout.turned(self.points, p, z[:-2], tangent[:-2] * scale[:-2], float(z[-2]))
+        weighted = slopes * layout.weights(orbit)
         self.memory.reference = z[:-2].copy()
         self.memory.direction = weighted / max(norm(weighted * scale[:-2]), 1e-300)
+
+    def prepare(self, z: Array) -> None:
+        """Called where a march sets out from z: what the mesh is made for."""
+        self.layout.prepare(self.points, self.full_parameters(z), z[:-2], float(z[-2]))
+        self.memory.last = None
 
     def _unsettled(self) -> bool:
         return self.memory.direction is None
 
     def residual(self, z: Array) -> Array:
-        """(N 3 n + 1,), the phase condition (in scaled unknowns, times the parameter's place) last."""
+        """(S + 1,), the phase condition (in scaled unknowns, times the parameter's place) last."""
         memory = self.memory
-        orbit, p = self.profile(z), self.full_parameters(z)
-        with np.errstate(all="ignore"):
-            f = self._rates(orbit.U, p)
-        step = orbit.period * orbit.h
-        g = orbit.U - orbit.beginnings[:, None] - step * np.einsum("ik,jkn->jin", A, f)
+        left = self.layout.defects(self.points, self.full_parameters(z), z[:-2], self.profile(z))
         phase = 0.0 if memory.direction is None or memory.reference is None else float(
             memory.direction @ (z[:-2] - memory.reference)
         )  # fmt: skip
-        return np.append(g.ravel(), phase)
+        return np.append(left, phase)
 
     def sweeps(self, z: Array) -> Sweeps | None:
         """Factors at z; None where an equation is not finite."""
@@ -151,28 +188,41 @@ class LargeOrbitEquations(InOneParameterProblem):
         if memory.last is not None and np.array_equal(memory.last, z):
             return memory.sweeps
         orbit, p = self.profile(z), self.full_parameters(z)
+        if not np.all(np.isfinite(orbit.U)):
+            return None
         found = self.points.jacobians(orbit.U.reshape(-1, self.n), p)
         if found is None:
             return None
         memory.last, memory.sweeps = z.copy(), Sweeps.of(found, orbit.period * orbit.h, memory.factoriser)
+        self.layout.remember(memory.sweeps)
         return memory.sweeps
 
     def by_scalars(self, z: Array, places: Sequence[int]) -> Array:
         """Derivatives (1 + k, N, 3, n) of T h (A x 1) f by the period and by k parameters."""
         orbit, p = self.profile(z), self.full_parameters(z)
         states = orbit.U.reshape(-1, self.n)
-        slopes = [self._rates(orbit.U, p)]
+        slopes = [self.points.values(states, p).reshape(orbit.U.shape)]
         slopes += [orbit.period * self.points.parameter_slopes(states, p, k).reshape(orbit.U.shape) for k in places]
-        return np.asarray(np.einsum("ik,sjkn->sjin", A, np.array(slopes)) * orbit.h)
+        return np.asarray(np.einsum("ik,sjkn->sjin", A, np.array(slopes)) * orbit.h[:, None, None])
 
     def image(self, z: Array, d: Vector) -> Vector | None:
         """T h (A x J) d for d (N, 3, n), real or complex; None where an equation is not finite."""
         orbit = self.profile(z)
+        if not np.all(np.isfinite(orbit.U)):
+            return None
         found = self.points.jacobians(orbit.U.reshape(-1, self.n), self.full_parameters(z))
         if found is None:
             return None
         moved = np.array([J @ row for J, row in zip(found, d.reshape(-1, self.n), strict=True)]).reshape(d.shape)
-        return np.asarray(orbit.period * orbit.h * np.einsum("ik,jkn->jin", A, moved))
+        return np.asarray(orbit.period * orbit.h[:, None, None] * np.einsum("ik,jkn->jin", A, moved))
+
+    def carried(self, z: Array, raw: Array) -> Array | None:
+        """The change (N, 3, n) of the orbit at z that a change `raw` of (states, T, p) makes."""
+        sweeps = self.sweeps(z)
+        if sweeps is None:
+            return None
+        by = np.einsum("k,kjin->jin", raw[-2:], self.by_scalars(z, (self.active,)))
+        return self.layout.carried(sweeps, raw[:-2], by)
 
     def at_constants(self, base: Array) -> Self:
         """The same family at other constants, with the same memory, patterns and colours."""
@@ -180,42 +230,54 @@ class LargeOrbitEquations(InOneParameterProblem):
         vars(made).update(source=self.source, points=self.points)
         return made
 
+    def bordered(self, z: Array, places: Sequence[int], rows: Array, scale: Array) -> OrbitLinearisation | None:
+        """The equations with these parameters free, the phase condition and `rows` (k, S + 1 + parameters), scaled."""
+        residual = self.residual(z)
+        sweeps = self.sweeps(z) if np.all(np.isfinite(residual)) else None
+        if sweeps is None:
+            return None
+        assert self.memory.direction is not None
+        count = 1 + len(places)
+        phase = np.append(self.memory.direction, np.zeros(count))
+        size = float(scale[0]) / np.sqrt(len(scale) - count)
+        closed = Closed.of(
+            sweeps, -self.by_scalars(z, places), np.vstack([phase, rows / scale]), np.append(size, scale[-count:]),
+            self.layout.pick,
+        )  # fmt: skip
+        scaled = np.append(residual[:-1] / scale[:-count], residual[-1])
+        return OrbitLinearisation(scaled, closed, scale, self.layout, again=count > 2)
+
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> OrbitLinearisation | None:
         if self._unsettled():
             self.settle(z, tangent, scale)
-        residual = self.residual(z)
-        if not np.all(np.isfinite(residual)):
-            return None
-        sweeps = self.sweeps(z)
-        if sweeps is None:
-            return None
-        columns = -self.by_scalars(z, (self.active,))
-        assert self.memory.direction is not None
-        rows = np.array([np.append(self.memory.direction, [0.0, 0.0]), tangent / scale])
-        size = float(scale[0]) / np.sqrt(len(scale) - 2)
-        closed = Closed.of(sweeps, columns, rows, np.array([size, scale[-2], scale[-1]]))
-        return OrbitLinearisation(np.append(residual[:-1] / scale[:-2], residual[-1]), closed, scale, self.intervals)
+        return self.bordered(z, (self.active,), tangent[None], scale)
 
     def scale_of(self, size: float, rest: Array) -> Array:
         """States of one size, the norm that of a function of time and space; period and parameter in theirs."""
-        count = self.intervals * STAGES * self.n
-        return np.append(np.full(count, size * np.sqrt(count)), rest)
+        return np.append(np.full(self.states, size * np.sqrt(self.states)), rest)
 
-    def on_intervals(self, count: int) -> tuple[Self, Callable[[Array], Array], Callable[[Array], Array]]:
-        """The family on another number of intervals; what becomes of orbits (and changes of them) and of metrics."""
-        problem = replace(self, intervals=count, memory=Memory())
+    def relaid(self, layout: Layout) -> tuple[Self, Moved, Moved]:
+        """The family in other unknowns; what becomes of orbits (and changes of them) and of metrics."""
+        problem = self.with_layout(layout)
 
         def moved(row: Array) -> Array:
-            return problem.vector(self.profile(row).refined(count), float(row[-1]))
+            return problem.vector(self.profile(row), float(row[-1]))
 
         def metric(scale: Array) -> Array:
             return problem.scale_of(float(scale[0]) / np.sqrt(scale.size - 2), scale[-2:])
 
         return problem, moved, metric
 
+    def finer(self) -> tuple[Self, Moved, Moved]:
+        """The same on intervals of half the length, as in `relaid`."""
+        layout, laid = self.layout.finer()
+        if laid is not None:
+            return self.relaid(layout)
+        return self.with_layout(layout), lambda row: row, lambda scale: scale
+
     def on_half_lengths(self, z: Array, tangent: Array, scale: Array) -> tuple[Self, At, Array] | None:
         """The orbit near z, on the plane normal to its tangent, on intervals of half the length; and its metric."""
-        problem, moved, metric = self.on_intervals(2 * self.intervals)
+        problem, moved, metric = self.finer()
         finer = metric(scale)
         along = moved(tangent * scale) / finer
         base = Sample(moved(z), along / norm(along), np.zeros(0), 0, np.zeros(0, complex))
@@ -230,5 +292,4 @@ class LargeOrbitEquations(InOneParameterProblem):
         sweeps = memory.sweeps if near and not exactly else self.sweeps(z)
         if sweeps is None:
             return np.empty(0, complex), np.empty((self.n, 0), complex)
-        beginning = self.profile(z).U[-1, 2]
-        return leading(sweeps, self.system.value(beginning, self.full_parameters(z)))
+        return leading(sweeps, self.system.value(self.beginning(z), self.full_parameters(z)))

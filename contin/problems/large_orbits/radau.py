@@ -8,6 +8,7 @@ multipliers of stiff modes are 0, as those of the flow. Gauss points would give 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 from typing import Final
 
@@ -27,8 +28,6 @@ A: Final = np.array(
 )
 WEIGHTS: Final = A[2]  # of integrals over an interval of length 1
 INVERSE: Final = np.linalg.inv(A)
-
-
 _NODES: Final = np.append(0.0, C)
 _POWERS: Final = np.linalg.inv(np.vander(_NODES, increasing=True))  # coefficients of the cubic through four values
 
@@ -52,54 +51,64 @@ def extremes(values: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One period: U (intervals, 3, n) at the points, the end of each interval last; the intervals have equal lengths.
+    """One period: U (intervals, 3, n) at the points, the end of each interval last.
 
-    It begins at the end of the last interval.
+    It begins at the end of the last interval. `lengths` of the intervals as parts of the period; None: equal ones.
+    `beginnings` (intervals, n): values where intervals begin; None: where those before them end.
     """
 
     U: Array
     period: float
+    lengths: Array | None = None
+    starts: Array | None = None
 
-    @property
-    def h(self) -> float:
-        """Length of an interval, as part of the period."""
-        return 1.0 / len(self.U)
+    @cached_property
+    def h(self) -> Array:
+        """Lengths (intervals,) as parts of the period."""
+        count = len(self.U)
+        return np.full(count, 1.0 / count) if self.lengths is None else self.lengths
 
     @property
     def beginnings(self) -> Array:
         """Values (intervals, n) at the beginning of each interval."""
-        return np.roll(self.U[:, 2], 1, axis=0)
+        return np.roll(self.U[:, 2], 1, axis=0) if self.starts is None else self.starts
 
     @property
     def slopes(self) -> Array:
         """Derivatives (intervals, 3, n) by the time in periods, of the interpolating polynomials."""
-        return np.asarray(np.einsum("ik,jkn->jin", INVERSE, self.U - self.beginnings[:, None]) / self.h)
+        return np.asarray(np.einsum("ik,jkn->jin", INVERSE, self.U - self.beginnings[:, None]) / self.h[:, None, None])
+
+    @cached_property
+    def mesh(self) -> Array:
+        """(intervals + 1,), from 0 to 1."""
+        mesh = np.append(0.0, np.cumsum(self.h))
+        mesh[-1] = 1.0
+        return mesh
 
     @property
     def times(self) -> Array:
         """(3 intervals + 1,), from 0 to 1."""
-        return np.append(0.0, (self.h * (np.arange(len(self.U))[:, None] + C)).ravel())
+        return np.append(0.0, (self.mesh[:-1, None] + self.h[:, None] * C).ravel())
 
     @property
     def u(self) -> Array:
         """(3 intervals + 1, n) at `times`."""
-        return np.vstack([self.U[-1, 2], self.U.reshape(-1, self.U.shape[2])])
+        return np.vstack([self.beginnings[0], self.U.reshape(-1, self.U.shape[2])])
 
     def at(self, times: Array) -> Array:
         """Values (K, n) at times from 0 to 1."""
-        place = np.asarray(times, dtype=float) * len(self.U)
-        j = np.clip(np.floor(place).astype(int), 0, len(self.U) - 1)
-        nodes = _NODES
-        x = (place - j)[:, None]
+        asked = np.asarray(times, dtype=float)
+        j = np.clip(np.searchsorted(self.mesh, asked, side="right") - 1, 0, len(self.U) - 1)
+        x = ((asked - self.mesh[j]) / self.h[j])[:, None]
         weights = np.ones((len(x), 4))
         for k in range(4):
             for other in range(4):
                 if other != k:
-                    weights[:, k : k + 1] *= (x - nodes[other]) / (nodes[k] - nodes[other])
+                    weights[:, k : k + 1] *= (x - _NODES[other]) / (_NODES[k] - _NODES[other])
         values = np.concatenate([self.beginnings[:, None], self.U], axis=1)[j]
         return np.asarray(np.einsum("tk,tkn->tn", weights, values))
 
     def refined(self, intervals: int) -> Trajectory:
-        """The same on another number of intervals."""
+        """The same on another number of equal intervals."""
         times = ((np.arange(intervals)[:, None] + C) / intervals).ravel()
         return Trajectory(self.at(times).reshape(intervals, STAGES, -1), self.period)

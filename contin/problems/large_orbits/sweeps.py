@@ -1,112 +1,155 @@
 """The linearised equations of an orbit, solved from interval to interval.
 
-    d_j - 1 x d_{j-1,3} - T h (A x J) d_j = r_j,    d_{-1} = d_{N-1}
+    d_j - 1 x d_{j-1,3} - T h_j (A x J) d_j = r_j,    d_{-1} = d_{N-1}
 
-with J at the interval's three points. Each interval is factored by itself, so memory and time are proportional to n
-times intervals where J is banded. Going once round is the action of the monodromy matrix M; closure, period, parameter
-and the conditions (phase, arclength) make a system of n + 2 unknowns (d_{N-1,3}, dT, dp) with I - M in it, which
-GMRES solves: M has few eigenvalues that are not small where a system dissipates.
+with J at the interval's three points. Intervals are factored by themselves, or solved with factors that all of one
+length share (`reused`). Going once round is the action of the monodromy matrix M; closure, period, parameter and the
+conditions (phase, arclength) make a system of n + 2 unknowns (d_{N-1,3}, dT, dp) with I - M in it, which GMRES solves:
+M has few eigenvalues that are not small where a system dissipates (Sanchez, Net, Garcia-Archilla and Simo 2004).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final, Protocol
 
 import numpy as np
 from scipy.sparse import csc_matrix
 
 from contin.abi import Array, Vector
-from contin.linalg.factor import Factor, Factoriser
+from contin.linalg.factor import Factoriser
 from contin.linalg.krylov import gmres
 from contin.problems.large_orbits.interval import Pattern, full_diagonal, one_pattern
 from contin.problems.large_orbits.radau import STAGES
+from contin.problems.large_orbits.reused import intervals_with_shared_factors
+
+SMALL: Final = 10_000  # unknowns up to which every interval is factored by itself, solves being quicker
+
+
+class Interval(Protocol):
+    """Solves with the matrix of one interval; the three points of a state stand beside each other."""
+
+    def solve(self, right: Vector) -> Vector: ...
+
+    def solve_transposed(self, right: Vector) -> Vector: ...
 
 
 @dataclass(frozen=True, eq=False)
 class Sweeps:
-    """Factors of all intervals."""
+    """Solvers of all intervals."""
 
-    factors: Sequence[Factor]
+    intervals: Sequence[Interval]
     n: int
 
     @classmethod
-    def of(cls, jacobians: Sequence[csc_matrix], step: float, factoriser: Factoriser) -> Sweeps:
-        """From J at all points, three by three; step = T h."""
+    def of(cls, jacobians: Sequence[csc_matrix], steps: Array, factoriser: Factoriser) -> Sweeps:
+        """From J at all points, three by three; steps = T h (intervals,)."""
         matrices = one_pattern([full_diagonal(J) for J in jacobians])
+        n = matrices[0].shape[0]
         pattern = Pattern.of(matrices[0])
         threes = [matrices[k : k + STAGES] for k in range(0, len(matrices), STAGES)]
-        return cls([factoriser.factor(pattern.matrix(three, step)) for three in threes], matrices[0].shape[0])
+        pairs = list(zip(threes, steps.tolist(), strict=True))
+        if n > SMALL and not factoriser.is_band_for(pattern.matrix(*pairs[0])):
+            return cls(intervals_with_shared_factors(pairs, factoriser.tally), n)
+        return cls([factoriser.factor(pattern.matrix(three, step)) for three, step in pairs], n)
 
-    def along(self, beginning: Vector, right: Vector | None = None) -> Vector:
-        """d (intervals, 3, n) from d_{-1,3} = `beginning` (n,) and r (intervals, 3, n), real or complex."""
-        kind = beginning.dtype if right is None else np.result_type(beginning, right)
-        out = np.empty((len(self.factors), STAGES, self.n), kind)
+    def along(
+        self, beginning: Vector, right: Vector | None = None, jumps: Mapping[int, Vector] | None = None
+    ) -> Vector:
+        """d (intervals, 3, n) from d_{-1,3} = `beginning` (n,) and r (intervals, 3, n), real or complex.
+
+        jumps : what is added (n,) where intervals of these places begin.
+        """
+        parts = [beginning] if right is None else [beginning, right]
+        out = np.empty((len(self.intervals), STAGES, self.n), np.result_type(*parts))
         x = beginning
-        for j, factor in enumerate(self.factors):
+        for j, interval in enumerate(self.intervals):
+            if jumps is not None and j in jumps:
+                x = x + jumps[j]
             known = np.broadcast_to(x, (STAGES, self.n)) if right is None else right[j] + x
-            out[j] = factor.solve(known.T.ravel()).reshape(self.n, STAGES).T
+            out[j] = interval.solve(known.T.ravel()).reshape(self.n, STAGES).T
             x = out[j, 2]
         return out
 
     def monodromy(self, w: Vector) -> Vector:
         """M w."""
-        return np.asarray(self.along(w)[-1, 2])
+        x = w
+        for interval in self.intervals:
+            x = interval.solve(np.repeat(x, STAGES))[STAGES - 1 :: STAGES]
+        return x
 
     def transposed(self, w: Vector) -> Vector:
         """M^T w, from interval to interval back in time."""
         x = w
-        for factor in reversed(self.factors):
+        for interval in reversed(self.intervals):
             known = np.zeros((self.n, STAGES), x.dtype)
             known[:, -1] = x
-            x = factor.solve_transposed(known.ravel()).reshape(self.n, STAGES).sum(axis=1)
+            x = interval.solve_transposed(known.ravel()).reshape(self.n, STAGES).sum(axis=1)
         return x
+
+
+Jumps = Mapping[int, Vector]
+Pick = Callable[[Vector, Vector, Jumps | None], Vector]
 
 
 @dataclass(frozen=True, eq=False)
 class Closed:
     """The closed orbit's equations with k columns (period, parameters) and k rows, in units of their own.
 
-    columns (k, N, 3, n) : of the equations, by dT and dp.  rows (k, N 3 n + k).  sizes (1 + k,) : of states, T and p.
+    columns (k, N, 3, n) : of the equations, by dT and dp.  rows (k, S + k), S unknowns of an orbit.
+    sizes (1 + k,) : of states, T and p.
+    pick : (d (N, 3, n), d_{-1,3} (n,), jumps) -> what changes of the S unknowns belong to them.
     """
 
     sweeps: Sweeps
-    columns: Array
     rows: Array
     sizes: Array
     answers: Array  # what `columns` lead to from a beginning at rest, (k, N, 3, n)
+    pick: Pick
 
     @classmethod
-    def of(cls, sweeps: Sweeps, columns: Array, rows: Array, sizes: Array) -> Closed:
+    def of(cls, sweeps: Sweeps, columns: Array, rows: Array, sizes: Array, pick: Pick) -> Closed:
         rest = np.zeros(sweeps.n)
         answers = np.array([sweeps.along(rest, -column) for column in columns])
-        return cls(sweeps, columns, rows, sizes, answers)
+        return cls(sweeps, rows, sizes, answers, pick)
 
-    def solve(self, right: Array, below: Array, again: bool = False) -> tuple[Array, Array, int]:
-        """d (N, 3, n) and (dT, dp) for right-hand sides (N, 3, n) and (k,); and the iterations.
+    def solve(
+        self, right: Array | None, jumps: Jumps | None, below: Array, again: bool = False
+    ) -> tuple[Array, Array, int]:
+        """Changes of the S unknowns and (dT, dp), and the iterations; for r (N, 3, n) and `below` (k,) of the rows.
 
+        jumps : where intervals begin, that of the first interval being d_{-1} - d_{N-1,3}.
         again : once more for the residual, so that what is nearly singular is solved to rounding.
         """
-        n, k = self.sweeps.n, len(self.columns)
+        n, k = self.sweeps.n, len(self.answers)
         units = np.append(np.full(n, self.sizes[0]), self.sizes[1:])
         row_sizes = np.abs(self.rows[:, :-k]).sum(axis=1) * self.sizes[0] + np.abs(self.rows[:, -k:]) @ self.sizes[1:]
-        particular = self.sweeps.along(np.zeros(n), right)
+        rest = np.zeros(n)
+        gap = rest if jumps is None else jumps.get(0, rest)
+        inner = None if jumps is None else {j: jump for j, jump in jumps.items() if j > 0}
+        particular = np.zeros_like(self.answers[0])
+        if right is not None or inner:
+            particular = self.sweeps.along(rest, right, inner)
 
         def whole(w: Array) -> Array:
             return np.asarray(self.sweeps.along(w[:n]) + np.einsum("k,kjin->jin", w[n:], self.answers))
 
-        def conditions(d: Array, tp: Array) -> Array:
-            return np.asarray((self.rows[:, :-k] @ d.ravel() + self.rows[:, -k:] @ tp) / row_sizes)
+        def conditions(d: Array, w: Array, tp: Array, known: Jumps | None = None) -> Array:
+            return np.asarray((self.rows[:, :-k] @ self.pick(d, w, known) + self.rows[:, -k:] @ tp) / row_sizes)
 
         def apply(v: Array) -> Array:
             w = v * units
             d = whole(w)
-            return np.append((w[:n] - d[-1, 2]) / self.sizes[0], conditions(d, w[n:]))
+            return np.append((w[:n] - d[-1, 2]) / self.sizes[0], conditions(d, w[:n], w[n:]))
 
-        known = np.append(particular[-1, 2] / self.sizes[0], below / row_sizes - conditions(particular, np.zeros(k)))
+        known = np.append(
+            (particular[-1, 2] + gap) / self.sizes[0],
+            below / row_sizes - conditions(particular, rest, np.zeros(k), inner),
+        )
         v, iterations, _ = gmres(apply, lambda r: r, known)
         if again:
             more, further, _ = gmres(apply, lambda r: r, known - apply(v))
             v, iterations = v + more, iterations + further
         w = v * units
-        return particular + whole(w), w[n:], iterations
+        return self.pick(particular + whole(w), w[:n], inner), w[n:], iterations

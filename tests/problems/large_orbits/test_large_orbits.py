@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 import contin
 from contin.errors import InputError
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.radau import A, C, Trajectory, extremes
+from tests.problems.large_orbits.cycles import family, landau, planted
 
 MESH = 1e-4  # error of eight intervals of order 5
 
@@ -33,47 +33,6 @@ def test_extremes_of_a_wave_have_the_fourth_order():
         return np.abs(found[:, 0] - [-1.0, 1.0]).max()
 
     assert off(40) < off(10) / 4**3.3
-
-
-def planted(a3, a5, exact=False):
-    """r' = r (mu + (a3 + a) r^2 + a5 r^4) with angle t; on it hang a plane that turns by half an angle in a period,
-    with multipliers -exp(T (-0.5 - a +- r)); one with exp(T (mu - 0.3 - a +- 0.4 i)); and
-    s' = (mu - 0.4 - a) s - s^3."""
-
-    def residual(z, p):
-        x, y, w1, w2, v1, v2, s = z
-        mu, a, r2 = p["mu"], p["a"], x * x + y * y
-        growth = mu + (a3 + a) * r2 + a5 * r2 * r2
-        return np.array([
-            growth * x - y, growth * y + x,
-            -(0.5 + a) * w1 + x * w1 + y * w2 - 0.5 * w2, -(0.5 + a) * w2 + y * w1 - x * w2 + 0.5 * w1,
-            (mu - 0.3 - a) * v1 - 0.4 * v2, (mu - 0.3 - a) * v2 + 0.4 * v1, (mu - 0.4 - a) * s - s**3,
-        ])  # fmt: skip
-
-    def jacobian(z, p):
-        x, y, w1, w2, _, _, s = z
-        mu, a, r2 = p["mu"], p["a"], x * x + y * y
-        growth, slope = mu + (a3 + a) * r2 + a5 * r2 * r2, 2 * (a3 + a) + 4 * a5 * r2
-        return sparse.csc_matrix([
-            [growth + slope * x * x, slope * x * y - 1, 0, 0, 0, 0, 0],
-            [slope * x * y + 1, growth + slope * y * y, 0, 0, 0, 0, 0],
-            [w1, w2, x - 0.5 - a, y - 0.5, 0, 0, 0], [-w2, w1, y + 0.5, -x - 0.5 - a, 0, 0, 0],
-            [0, 0, 0, 0, mu - 0.3 - a, -0.4, 0], [0, 0, 0, 0, 0.4, mu - 0.3 - a, 0],
-            [0, 0, 0, 0, 0, 0, mu - 0.4 - a - 3 * s * s],
-        ])  # fmt: skip
-
-    pattern = np.zeros((7, 7))
-    pattern[:2, :2] = pattern[2:4, :4] = pattern[4:6, 4:6] = pattern[6, 6] = 1
-    names = ["x", "y", "w1", "w2", "v1", "v2", "s"]
-    pattern = sparse.csc_matrix(pattern)
-    derivatives = {"jacobian": jacobian} if exact else {"sparsity": pattern}
-    return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5, "a": 0.0}, states=names, **derivatives)
-
-
-def family(problem, span, **settings):
-    line = contin.continuation(problem, "mu", (-0.6, 0.2))
-    hopf = next(p for p in line.points if p.type == "HB" and abs(p.values["mu"]) < 1e-6)
-    return contin.continuation(hopf.switch(), "mu", span, settings={"intervals": 8, **settings})
 
 
 def test_bifurcations_of_cycles_are_where_they_were_planted():
@@ -132,20 +91,6 @@ def test_curves_of_special_orbits_have_slopes_that_are_those_of_their_scalars():
             step = 1e-5 / np.linalg.norm(x / scale)
             ends = [scalars(seed.z + sign * step * x) for sign in (1.0, -1.0)]
             np.testing.assert_allclose(own, (ends[0] - ends[1]) / (2 * step), rtol=1e-4, atol=1e-4 * abs(own).max())
-
-
-def landau(points, method):
-    """A_t = (mu + i) A + (1 + i c1) A_xx - (1 + i c2) |A|^2 A on a circle, A = u + i v."""
-    square = "(u^2 + v^2)"
-    return contin.load({
-        "name": "cgl", "kind": "pde",
-        "domain": {"x": {"to": "2*pi", "points": points, "method": method, "periodic": True}},
-        "fields": {"u": 0, "v": 0}, "parameters": {"mu": -0.2, "c1": 0.5, "c2": -0.8},
-        "equations": {
-            "u": f"mu*u - v + dxx(u) - c1*dxx(v) - {square}*(u - c2*v)",
-            "v": f"mu*v + u + dxx(v) + c1*dxx(u) - {square}*(v + c2*u)",
-        },
-    })  # fmt: skip
 
 
 @pytest.mark.parametrize(("points", "method"), [(6, "fourier"), (24, "differences")])

@@ -1,0 +1,116 @@
+"""Orbits of large systems by shooting: the same bifurcations, the flow's derivative, shared factors of intervals."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import contin
+from contin.errors import InputError
+from contin.linalg.tally import Tally
+from contin.problems.large_orbits.from_starts import FromStarts, Mesh
+from contin.problems.large_orbits.interval import Pattern
+from contin.problems.large_orbits.reused import intervals_with_shared_factors
+from tests.problems.large_orbits.cycles import family, landau, planted
+
+EXACT = {"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}
+ERROR = 1e-6  # steps whose errors are 1e-8 of the amplitude
+
+
+@pytest.fixture(scope="module")
+def shot():
+    return family(planted(-1.0, 0.0, exact=True), (-0.1, 0.45), intervals=None, method="shooting", max_step=0.2)
+
+
+def test_bifurcations_of_cycles_are_where_they_were_planted(shot):
+    assert isinstance(shot.problem.layout, FromStarts)
+    assert {p.label for p in shot.points} == set(EXACT)
+    for point in shot.points:
+        assert abs(point.values["mu"] - EXACT[point.label]) < point.error < ERROR
+    np.testing.assert_allclose(shot.columns["period"], 2 * np.pi, rtol=ERROR)
+    np.testing.assert_allclose(shot.columns["x.max"] ** 2, shot.columns["mu"], atol=ERROR)
+    assert shot.columns["unstable"][-1] == 4
+    assert shot.z.shape[1] == 7 + 2  # one state, the period, the parameter
+
+
+def test_families_that_are_born_on_one_by_shooting(shot):
+    crossing = contin.continuation(shot["BPC1"].switch(), "mu", (0.2, 0.6), settings={"steps": 2})
+    largest = np.maximum(np.abs(crossing.columns["s.max"]), np.abs(crossing.columns["s.min"]))
+    np.testing.assert_allclose(largest**2, crossing.columns["mu"] - 0.4, atol=ERROR)
+    assert crossing.columns["mu"].max() > 0.4
+    doubled = contin.continuation(shot["PD1"].switch(), "mu", (0.2, 0.6), settings={"steps": 1})
+    np.testing.assert_allclose(doubled.columns["period"], 4 * np.pi, rtol=ERROR)
+    assert doubled.problem.layout.segments == 2
+    with pytest.raises(InputError, match="a family that is born on one by shooting is followed by shooting"):
+        contin.continuation(shot["PD1"].switch(), "mu", (0.2, 0.6), settings={"method": "collocation"})
+
+
+def test_curves_in_two_parameters(shot):
+    curve = contin.continuation(
+        shot["PD1"].locus(), ("mu", "a"), {"mu": (0.1, 0.6), "a": (-0.2, 0.2)}, settings={"steps": 4}
+    )
+    a = curve.columns["a"]
+    np.testing.assert_allclose(curve.columns["mu"], (0.5 + a) ** 2 * (1 - a), atol=ERROR)
+    assert np.ptp(a) > 0.05
+
+
+def test_a_fold_of_cycles_and_its_curve_from_three_segments():
+    found = family(
+        planted(1.0, -1.0, exact=True), (-0.4, 0.1), intervals=3, method="shooting", max_step=0.2, stop_at=("LPC",)
+    )
+    fold = found["LPC1"]
+    assert found.problem.layout.segments == 3
+    assert abs(fold.values["mu"] + 0.25) < fold.error < ERROR
+    curve = contin.continuation(fold.locus(), ("mu", "a"), {"mu": (-0.6, 0.1), "a": (-0.4, 0.4)}, settings={"steps": 4})
+    np.testing.assert_allclose(curve.columns["mu"], -((1 + curve.columns["a"]) ** 2) / 4, atol=ERROR)
+
+
+def test_multipliers_of_a_uniform_oscillation_are_those_in_closed_form():
+    line = contin.continuation(landau(24, "differences"), "mu", (-0.2, 0.3))
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 5, "method": "shooting"})
+    mu = float(found.columns["mu"][-1])
+    period = 2 * np.pi / (1 + 0.8 * mu)
+    assert found.columns["period"][-1] == pytest.approx(period, rel=ERROR)
+    q = (2 - 2 * np.cos(np.pi / 12)) * (12 / np.pi) ** 2  # wave number 1
+    root = np.sqrt(complex(mu**2 + 0.8 * mu * q - 0.25 * q * q))
+    exact = np.sort([np.exp(-2 * mu * period), *2 * [abs(np.exp(period * (-mu - q + root)))]])[::-1]
+    np.testing.assert_allclose(np.abs(found.eigenvalues[-1][1:4]), exact, atol=ERROR)
+
+
+def test_the_monodromy_action_is_the_derivative_of_the_flow(shot):
+    problem, z = shot.problem, shot.z[-1]
+    problem.prepare(z)
+    sweeps = problem.sweeps(z)
+    w = np.random.default_rng(1).normal(size=7)
+    ends = [problem.profile(z + np.append(s * w, [0, 0])).U[-1, 2] for s in (1e-5, -1e-5)]
+    np.testing.assert_allclose(sweeps.monodromy(w), (ends[0] - ends[1]) / 2e-5, atol=1e-8)
+    v = np.random.default_rng(2).normal(size=7)
+    assert v @ sweeps.monodromy(w) == pytest.approx(sweeps.transposed(v) @ w, rel=1e-10)
+
+
+def test_intervals_with_shared_factors_are_solved_to_rounding():
+    generator, n = np.random.default_rng(0), 30
+    base = sparse.csc_matrix(sparse.random(n, n, 0.1, random_state=0) - sparse.diags(np.arange(1.0, n + 1)))
+    base.sort_indices()
+    threes = [
+        [sparse.csc_matrix((base.data * (1 + 0.1 * generator.normal(size=base.nnz)), base.indices, base.indptr))
+         for _ in range(3)] for _ in range(2)
+    ]  # fmt: skip
+    tally = Tally()
+    for three, interval in zip(
+        threes, intervals_with_shared_factors([(three, 0.3) for three in threes], tally), strict=True
+    ):
+        matrix = Pattern.of(base).matrix(three, 0.3)
+        right = generator.normal(size=3 * n) + 1j * generator.normal(size=3 * n)
+        np.testing.assert_allclose(matrix @ interval.solve(right), right, atol=1e-11)
+        np.testing.assert_allclose(matrix.T @ interval.solve_transposed(right), right, atol=1e-11)
+    assert tally.factorisations == 2  # a real one and a complex one, for all intervals
+
+
+def test_meshes_are_halved_where_errors_are_large_and_joined_again():
+    mesh = Mesh.even(4)
+    finer = mesh.refined(np.array([0.0, 1e-6, 0.0, 1e-5]))
+    assert finer.lengths.sum() == pytest.approx(1.0)
+    assert [len(finer.steps), finer.first_of(2)] == [2 + 4 + 4, 5]
+    joined = finer.coarsened(np.full(len(finer.steps), 1e-13))
+    assert len(joined.steps) < len(finer.steps)
+    assert joined.lengths.sum() == pytest.approx(1.0)
