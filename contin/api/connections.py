@@ -75,11 +75,11 @@ def connection(
         raise InputError("a connecting orbit that a reversor maps onto itself leads to the image of `start`: no `to`")
     if pulses is not None:
         return _of_pulses(origin, pulses)
+    path = None if samples is None else Path(np.asarray(samples[0], float), np.asarray(samples[1], float))
     if isinstance(first, SpecialPoint) or isinstance(last, SpecialPoint):
         if reversor is not None or isinstance(origin, SpecialPoint):
             raise InputError(f"a connecting orbit to a cycle: leave out `{'from' if reversor is None else 'reversor'}`")
         found = _with_cycles(origin, first, last, parameters)
-        path = None if samples is None else Path(np.asarray(samples[0], float), np.asarray(samples[1], float))
         return replace(found, path=path, truncation=truncation or found.truncation)
     if isinstance(origin, SpecialPoint) and reversor is not None:
         raise InputError("a symmetric connecting orbit starts from a model and `samples`, not from a periodic orbit")
@@ -87,14 +87,12 @@ def connection(
         return _of_orbit(origin, first, last, samples, truncation)
     need_time(origin, "connecting orbits")
     saddles = _saddles(origin, first, last, parameters)
-    path = None if samples is None else Path(np.asarray(samples[0], float), np.asarray(samples[1], float))
     system = system_of_orbits(saddles[0].system)
     if not isinstance(system, CompiledSystem):
         raise InputError("connecting orbits need a flow given by formulas")
     symmetric = None if reversor is None else reversor_of(system, saddles[0].p, _images(origin, reversor))
-    return ConnectingOrbit(
-        system, saddles[0].p, np.array([saddle.u for saddle in saddles]), path, truncation, symmetric
-    )
+    states = np.array([saddle.u for saddle in saddles])
+    return ConnectingOrbit(system, saddles[0].p, states, path, truncation, symmetric)
 
 
 def _images(model: Model, reversor: Mapping[str, str | float]) -> dict[str, Expression]:

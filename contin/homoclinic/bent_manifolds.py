@@ -17,7 +17,7 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.symbolic.passes.connecting import adjoint_name
 
 if TYPE_CHECKING:
-    from contin.homoclinic.cycle_connection_problem import ConnectionToCycle
+    from contin.homoclinic.ends_of_connection import EndsOfConnection as ConnectionToCycle
 
 FARTHER: Final = 4.0  # times as far as the end, of an equilibrium
 SAMPLES: Final = 4001

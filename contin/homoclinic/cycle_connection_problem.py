@@ -16,6 +16,7 @@ from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample
 from contin.continuation.settings import Settings
 from contin.homoclinic.bent_manifolds import bends
+from contin.homoclinic.ends_of_connection import EndsOfConnection
 from contin.homoclinic.hyperbolic_ends import beyond
 from contin.linalg.newton import Rules, by_steps
 from contin.linalg.vectors import norm
@@ -26,8 +27,7 @@ from contin.problems.two_parameters import OnAdaptiveMesh
 from contin.symbolic.passes.connecting import MISS
 
 if TYPE_CHECKING:
-    from contin.lowering.system import CompiledSystem
-    from contin.model.model import Model
+    pass
 
 UNBOUNDED = (-np.inf, np.inf)
 NEWTON = Rules(settled=1e-11, stalled=1e-7, budget=15)
@@ -95,19 +95,11 @@ class Homotopy(Isolated):
 
 
 @dataclass(frozen=True, eq=False)
-class ConnectionToCycle(Isolated):
-    """One parameter varies; `flow` is the system whose orbits these are, `cycles` the ends (1, 2) that are cycles."""
-
-    flow: CompiledSystem | None = None
-    cycles: tuple[int, ...] = ()
+class ConnectionToCycle(Isolated, EndsOfConnection):
+    """One parameter varies."""
 
     kind = "connection"
     maximum_chunk = CHUNK
-
-    @property
-    def model(self) -> Model:
-        assert self.flow is not None
-        return self.flow.model
 
     @property
     def has_stability(self) -> bool:

@@ -10,13 +10,13 @@ from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 
 if TYPE_CHECKING:
-    from contin.homoclinic.cycle_connection_problem import ConnectionToCycle
+    from contin.homoclinic.ends_of_connection import EndsOfConnection
     from contin.problems.orbits.mesh.layout import Profile
 
 FARTHEST: Final = 0.03  # of the cycle's extent, that an end may be from it: bent manifolds are off by its square
 
 
-def beyond(problem: ConnectionToCycle, z: Array) -> str | None:
+def beyond(problem: EndsOfConnection, z: Array) -> str | None:
     """Why the equations mean nothing at z, in words; None where they do."""
     profile = problem.profile(z)
     values = dict(zip(problem.two.parameters, problem.full_parameters(z)[:-1].tolist(), strict=True))
@@ -29,7 +29,7 @@ def beyond(problem: ConnectionToCycle, z: Array) -> str | None:
     return None
 
 
-def _of_cycle(problem: ConnectionToCycle, profile: Profile, values: dict[str, float], place: int) -> str | None:
+def _of_cycle(problem: EndsOfConnection, profile: Profile, values: dict[str, float], place: int) -> str | None:
     """The projected modes are the stable ones of a cycle that is left, the others the unstable ones, and vice versa."""
     names, states = problem.two.names, problem.model.state_names
     outside, count = 0.0, 0
@@ -52,7 +52,7 @@ def _of_cycle(problem: ConnectionToCycle, profile: Profile, values: dict[str, fl
 
 
 def _mean_divergence(
-    problem: ConnectionToCycle, profile: Profile, columns: list[int], values: dict[str, float]
+    problem: EndsOfConnection, profile: Profile, columns: list[int], values: dict[str, float]
 ) -> float:  # fmt: skip
     assert problem.flow is not None
     n, scheme = len(columns), basis(profile.m)
@@ -63,7 +63,7 @@ def _mean_divergence(
     return float(profile.h @ (traces @ scheme.gauss_weights))
 
 
-def _of_equilibrium(problem: ConnectionToCycle, _: Profile, values: dict[str, float], place: int) -> str | None:
+def _of_equilibrium(problem: EndsOfConnection, _: Profile, values: dict[str, float], place: int) -> str | None:
     """As many directions lead out of (into) it as the orbit may take."""
     flow, states = problem.flow, problem.model.state_names
     assert flow is not None
