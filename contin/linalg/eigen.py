@@ -182,7 +182,7 @@ def followed(
         images = np.vstack([images, [linear.apply(v) for v in fresh]])
         settled = rate * longer * worst < DAVIDSON_ACCURACY
     near = np.argsort(np.abs(values))
-    right = np.array([_combined(ritz[k], basis) for k in near])
+    right = np.array([_combined(ritz[k], basis[: ritz.shape[1]]) for k in near])
     return Spectrum(values[near].astype(complex), right.T.astype(complex), False), gain
 
 

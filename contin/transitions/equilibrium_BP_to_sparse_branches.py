@@ -28,6 +28,7 @@ def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) 
     own = own / norm(own)
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
+    problem.precisely(point.z)
     k = int(point.vectors.get("kernel", 1))
     if k > 1:
         curves = ReducedJet(kernel_at(problem, point.z, own, point.scale, k), point.z).branches()

@@ -142,7 +142,7 @@ class LargeEquations(InOneParameterProblem):
         if reach > 0.0:
             found = with_copies(linear, n, found, reach)
         if found.values.size:
-            work.vectors = found.vectors[:, : FOLLOWED + int(np.sum(found.values.real > 0.0))]
+            work.vectors = found.vectors[:, _to_follow(found.values)]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
             watched = found.values.real > -0.2 * np.abs(found.values)
             work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
@@ -158,6 +158,12 @@ class LargeEquations(InOneParameterProblem):
         rate = self.source.rate()
         return None if rate is None else (lambda cs: np.column_stack([linear.precondition(r) for r in cs.T]), rate)
 
+    def begin(self, z: Array) -> None:
+        """A curve begins at z: eigenvalues are looked for there, not followed from where the last one has ended."""
+        judged = self.work.judged
+        if judged is None or not np.array_equal(judged[0], z):
+            self.work.vectors = self.work.judged = None
+
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         judged = self.work.judged
         if judged is None or not np.array_equal(judged[0], z):
@@ -165,6 +171,15 @@ class LargeEquations(InOneParameterProblem):
         values = judged[1]
         tests, unstable = stability_tests(values)
         return tests, unstable, values
+
+
+def _to_follow(values: NDArray[np.complex128]) -> NDArray[np.intp]:
+    """Which eigenvalues are followed: those beyond the axis, however far, and some of the others next to it."""
+    by_growth = np.argsort(-values.real)
+    count = int(np.sum(values.real > 0.0)) + FOLLOWED
+    if 0 < count < len(values) and values[by_growth[count - 1]].imag != 0.0:
+        count += int(values[by_growth[count]].real == values[by_growth[count - 1]].real)  # whole pairs
+    return by_growth[:count]
 
 
 def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:

@@ -70,6 +70,8 @@ class LargeProblem(LargeEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
+        if before is None:
+            self.begin(origin.z)
         return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop, self.again)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

@@ -277,7 +277,7 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
 
 def reduction(problem: LargeEquations, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
     """The reduced equation at z, bordered by the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
-    spectrum = problem.spectrum(z)
+    spectrum = problem.spectrum(z, at_zero=True)
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
     null = np.append(q, 0.0) / scale
     null /= norm(null)

@@ -12,8 +12,16 @@ from contin.linalg.eigen import followed
 from contin.linalg.linear import KrylovLinear
 
 
+@pytest.fixture(params=["factors of every point", "factors of earlier points"])
+def factored(request, monkeypatch):
+    """Both ways in which large matrices are solved with, whatever their size."""
+    if request.param == "factors of earlier points":
+        monkeypatch.setattr("contin.problems.sparse.jacobian.ALWAYS_FACTORED", 0)
+        monkeypatch.setattr("contin.linalg.factor.Factoriser.is_band_for", lambda self, matrix: False)
+
+
 @pytest.mark.parametrize("seed", range(4))
-def test_unstable_states_are_counted_from_the_first_point_on(seed):
+def test_unstable_states_are_counted_from_the_first_point_on(seed, factored):
     """Matrices of no symmetry in their pattern, with fast unstable pairs beside slow stable states."""
     generator = np.random.default_rng(seed)
     n = 90
@@ -189,7 +197,7 @@ def chafee_infante(n, dense=False, quadratic=0.0):
     return contin.FunctionProblem(residual, np.zeros(n), {"p": 1.0}, jacobian, symmetries=symmetries), exact
 
 
-def test_pitchforks_and_switched_branches():
+def test_pitchforks_and_switched_branches(factored):
     problem, exact = chafee_infante(300)
     line = api.continuation(problem, "p", (1.0, 60.0), direction="up")
     assert [point.type for point in line.points] == ["BP", "BP"]
@@ -221,7 +229,7 @@ def test_branch_point_coefficients_are_those_of_the_dense_method():
             assert abs(value) == pytest.approx(abs(expected), rel=1e-6, abs=1e-7), key
 
 
-def test_transcritical_branches_cross():
+def test_transcritical_branches_cross(factored):
     problem, _ = chafee_infante(100, quadratic=0.5)
     line = api.continuation(api.equilibrium(problem, parameters={"p": 6.0}), "p", (5.0, 15.0))
     cross = api.continuation(line["BP1"].switch(), "p", (5.0, 15.0))
