@@ -150,8 +150,8 @@ def _fold(problem: BoundaryEquations, near: Sample, frame: Frame) -> Found | Rej
     found = secant(Chain(problem), near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return unverified("LP", "the parameter does not turn at one point of the curve")
-    at, left, error = found.at, found.left, found.error
-    residual = max(at.residual, abs(left))
+    at, error = found.at, found.error
+    residual = max(at.residual, abs(found.left) / max(1.0, abs(found.slope)))  # sharp bends enlarge the rounding of s
     if not residual < RESIDUAL_LIMIT:
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
     mesh = OnMesh(problem, problem.profile(at.z).h)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 FARTHER: Final = 4.0  # times as far as the end, of an equilibrium
 SAMPLES: Final = 4001
+SEEN: Final = 1e-2  # of a cycle's extent, from which on offsets tell how the manifolds bend
 
 
 def bends(problem: ConnectionToCycle, z: Array) -> dict[str, float]:
@@ -37,13 +38,15 @@ def bends(problem: ConnectionToCycle, z: Array) -> dict[str, float]:
 
 
 def _of_cycle(problem: ConnectionToCycle, profile: Profile, values: dict[str, float], place: int) -> dict[str, float]:
-    """One turn farther along the orbit, at the same phase."""
+    """Some turns farther along the orbit, at the same phase: where its offset is well above the errors of the mesh."""
     names, states = problem.two.names, problem.model.state_names
     n, clock = len(states), values["T:"] * values[f"period:{problem.cycles[0]}"]
-    turn = values[f"period:{place}"] / clock
-    base = profile.u[0, [names.index(f"{name}:{place}") for name in states]]
-    end = profile.u[0 if place == 1 else -1, :n] - base
-    there = profile.at(np.array([turn if place == 1 else 1.0 - turn]))[0, :n] - base if turn < 1.0 else end
+    own = [names.index(f"{name}:{place}") for name in states]
+    base, extent = profile.u[0, own], float(np.linalg.norm(np.ptp(profile.u[:, own], axis=0)))
+    turns = np.arange(0.0, 1.0, values[f"period:{place}"] / clock)
+    offsets = profile.at(turns if place == 1 else 1.0 - turns)[:, :n] - base
+    end, sizes = offsets[0], np.linalg.norm(offsets, axis=1)
+    there = offsets[int(np.argmax(sizes >= SEEN * extent)) or len(turns) - 1]
     far = float(there @ there)
     found, mode = {}, 0
     while f"part{mode}:{place}" in values:

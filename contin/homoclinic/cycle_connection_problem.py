@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.functionals import columns_of
 from contin.continuation import march as python_march
+from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample
 from contin.continuation.settings import Settings
 from contin.homoclinic.bent_manifolds import bends
@@ -33,6 +34,7 @@ UNBOUNDED = (-np.inf, np.inf)
 NEWTON = Rules(settled=1e-11, stalled=1e-7, budget=15)
 PART = 1e-3  # of a mode, in the states' sizes
 CHUNK = 5  # a step takes some 50 ms
+POINTS = 6  # Gauss points an interval: orbits of many turns, whose errors grow on the way, want a high order
 
 
 def vectors(names: Sequence[str]) -> Iterator[tuple[int, list[tuple[int, int]]]]:
@@ -58,6 +60,11 @@ def vectors(names: Sequence[str]) -> Iterator[tuple[int, list[tuple[int, int]]]]
 @dataclass(frozen=True, eq=False)
 class Isolated(BoundaryProblem):
     """Through a solution one branch passes, whose tangent the condensed equations give: no crossings are looked for."""
+
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """On the mesh that is asked for; the settings' default number of Gauss points is not."""
+        own = self.points if settings.points == Settings().points else settings.points
+        return super().configured(seed, replace(settings, points=own))
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         row = np.zeros(z.size)

@@ -24,7 +24,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.approach import Approach, approaches, of_samples
-from contin.homoclinic.cycle_connection_problem import ConnectionToCycle, CurveOfConnections, Homotopy
+from contin.homoclinic.cycle_connection_problem import POINTS, ConnectionToCycle, CurveOfConnections, Homotopy
 from contin.homoclinic.from_table import Path
 from contin.machine import elementary
 from contin.model.advice import place_of_parameter
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 
 FINE: Final = 100  # intervals of the first guess, and ...
 PER_TURN: Final = 25  # ... more for each turn as long as the cycle
-POINTS: Final = 4
 GUESSED: Final = 1e-4  # error of the first mesh: tables of modes are no smoother
 HOME: Final = 60  # steps of a homotopy
 NEAR: Final = 1e-4  # of the cycle's extent (the orbit's, from an equilibrium), that the orbit's end comes to it
@@ -133,7 +132,7 @@ class CycleConnection:
         two = two_point(self.problem.model, free)
         values = self._values(approach)
         base = np.array([values[name] for name in two.parameters])
-        problem: BoundaryProblem = Homotopy(two, base, two.parameters.index(MISS))
+        problem: BoundaryProblem = Homotopy(two, base, two.parameters.index(MISS), points=POINTS)
         z = self._guess(problem, approach, values).vector()
         z = _followed(problem, z, (0.0, 2.0), -1, f"step 1 of the homotopy (the miss of {approach.gap:.2g} to zero)")
         problem, z = problem.with_active(TIME, z), _at(z, values[TIME])
@@ -211,7 +210,7 @@ class CycleConnection:
         if own.further == 0:
             one = ConnectionToCycle(
                 two, np.array([values[name] for name in two.parameters]), two.parameters.index(first),
-                flow=self.system, cycles=cycles,
+                points=POINTS, flow=self.system, cycles=cycles,
             )  # fmt: skip
             return Seed(one, solved(one, replace(profile, parameter=values[first])))
         second = parameters[1]
@@ -222,7 +221,7 @@ class CycleConnection:
         u[:, column] = values[second]
         base = np.array([values[name] for name in turned.parameters])
         curve = CurveOfConnections(
-            turned, base, turned.parameters.index(first), flow=self.system, cycles=cycles, second=second
+            turned, base, turned.parameters.index(first), points=POINTS, flow=self.system, cycles=cycles, second=second
         )
         return Seed(curve, solved(curve, replace(profile, u=u, parameter=values[first])))
 
@@ -257,7 +256,7 @@ class CycleConnection:
         return self._on(problem, one, values, choose_mesh(fine, sizes, GUESSED, None, closed=False).h)
 
     def _on(self, problem: BoundaryProblem, one: Approach, values: dict[str, float], h: Array) -> Profile:
-        two, m, n = problem.two, POINTS, self.system.n
+        two, m, n = problem.two, problem.points, self.system.n
         s = node_times(h, m)
         u = np.zeros((len(s), two.n))
         u[:, :n] = one.path(s)
