@@ -89,7 +89,7 @@ def _print_simulated(document: Mapping[str, object], console: Console) -> None:
 def heading(branch: Record) -> Text:
     """One line that says what the branch is: name, kind, parameters, origin."""
     kind, parameters = branch["kind"], " and ".join(branch["parameters"])
-    points = _connecting(branch) or locus_words(branch["locus"])
+    points = locus_words(branch["locus"], branch["columns"])
     what = f"locus of {points}" if kind == "locus" else KINDS.get(kind, kind)
     origin = ""
     if branch["image_of"]:
@@ -99,18 +99,6 @@ def heading(branch: Record) -> Text:
     rows = len(next(iter(branch["columns"].values()), []))
     varied = f" in {parameters}" if parameters else ""
     return Text.assemble((branch["name"], "bold cyan"), f"  {what}{varied}{origin}; {rows} points")
-
-
-def _connecting(branch: Record) -> str | None:
-    """What a curve of connecting orbits is made of, by the columns of its ends; None: homoclinic orbits, or no such."""
-    if branch["locus"] != "HOM":
-        return None
-    ends = {name.split(".")[1] for name in branch["columns"] if "." in name}
-    if not any(end.startswith("cycle") for end in ends):
-        return "heteroclinic orbits" if "saddle2" in ends else None
-    if "cycle2" in ends:
-        return "orbits from cycle to cycle"
-    return "orbits from a cycle to an equilibrium" if "saddle2" in ends else "orbits from an equilibrium to a cycle"
 
 
 def _fitting(branch: Record, states: list[str], console: Console) -> Table:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from contin.plot.look import Look
 from contin.plot.series import Panel
 from contin.plot.strokes import STABLE, UNSTABLE
-from contin.plot.vocabulary import KINDS, locus_words, style_of
+from contin.plot.vocabulary import style_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,8 +31,7 @@ def entries(
     if named:
         for curve in curves:
             original = images.get(curve.name, curve.name)
-            what = locus_words(curve.locus) if curve.kind == "locus" else KINDS.get(curve.kind, curve.kind)
-            found.setdefault(f"{original} ({what})", Line2D([], [], color=colours[curve.name], linewidth=1.9))
+            found.setdefault(f"{original} ({curve.words})", Line2D([], [], color=colours[curve.name], linewidth=1.9))
     pieces = [piece for curve in curves for piece in curve.pieces]
     if any(piece.stable for piece in pieces):
         found["stable"] = Line2D([], [], color="0.25", **STABLE)
@@ -71,9 +70,7 @@ def add_legend(
         legend.remove()
 
 
-def legend_inside(
-    ax: Axes, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str]
-) -> None:
+def legend_inside(ax: Axes, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str]) -> None:
     """Within the axes, where it hides least."""
     shown = entries(panels, colours, images, len(set(colours)) <= MOST_NAMES)
     if shown:

@@ -17,6 +17,7 @@ from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.plot.typeset import axis_label
+from contin.plot.vocabulary import branch_words
 from contin.records import Record
 
 
@@ -68,7 +69,8 @@ class Curve:
     locus: str | None
     pieces: tuple[Piece, ...]
     marks: tuple[tuple[float, float, Mark], ...]
-    strands: int = 1
+    strands: int
+    words: str  # what its points are
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,7 +289,8 @@ def _curve(source: Source, x: str, y: str, periods: Mapping[str, float]) -> Curv
         pieces += _pieces(source, abscissa, ordinate, jumps)
     top = wrapped(strands[0], periods.get(y))
     marks = tuple((float(abscissa[mark.index]), float(top[mark.index]), mark) for mark in source.marks)
-    return Curve(source.name, source.kind, source.locus, tuple(pieces), marks, len(strands))
+    words = branch_words(source.kind, source.locus, source.columns)
+    return Curve(source.name, source.kind, source.locus, tuple(pieces), marks, len(strands), words)
 
 
 def wrapped(values: Array, period: float | None) -> Array:

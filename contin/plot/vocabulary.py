@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Final
 
 from contin.special.special_type import SpecialType
@@ -13,6 +14,7 @@ KINDS: Final = {
     "orbit": "periodic orbits",
     "bvp": "boundary-value solutions",
     "locus": "locus",
+    "connection": "connecting orbits",
     "torus": "invariant tori",
 }
 
@@ -25,9 +27,24 @@ def style_of(type_code: str) -> SpecialType:
     return special_type(type_code)
 
 
-def locus_words(code: str | None) -> str:
-    """What the points of a two-parameter curve are, e.g. 'Hopf points'."""
-    return special_type(code or "").plural
+def locus_words(code: str | None, columns: Iterable[str] = ()) -> str:
+    """What the points of a two-parameter curve are, e.g. 'Hopf points'; of connecting orbits its columns tell."""
+    return (_connecting(columns) if code == "HOM" else None) or special_type(code or "").plural
+
+
+def branch_words(kind: str, locus: str | None, columns: Iterable[str]) -> str:
+    """What the points of a branch are."""
+    return locus_words(locus, columns) if kind == "locus" else KINDS.get(kind, kind)
+
+
+def _connecting(columns: Iterable[str]) -> str | None:
+    """Between which ends orbits lead, by the columns of these; None where they are homoclinic."""
+    ends = {name.split(".")[1] for name in columns if "." in name}
+    if not any(end.startswith("cycle") for end in ends):
+        return "heteroclinic orbits" if "saddle2" in ends else None
+    if "cycle2" in ends:
+        return "orbits from cycle to cycle"
+    return "orbits from a cycle to an equilibrium" if "saddle2" in ends else "orbits from an equilibrium to a cycle"
 
 
 def colour_of(code: str | None) -> str:

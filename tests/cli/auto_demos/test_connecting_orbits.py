@@ -100,3 +100,26 @@ def test_the_orbit_from_a_cycle_to_the_other_equilibrium_is_where_reversed_traje
 def test_curves_of_connections_are_called_by_their_ends(capsys):
     call("run", str(FOLDER / "pci.yaml"))
     assert "link  locus of orbits from a cycle to an equilibrium in nu1 and nu2" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_pulses_of_two_turns_have_the_speed_of_one():
+    """fnb: turns are far apart, so that speeds differ by exp(-time between them); a double root at rest at DRS."""
+    one, two = (branches_of("fnb")[name] for name in ("one", "two"))
+    at = {(b["name"], p["type"]): p for b in (one, two) for p in b["points"]}
+    first, second = at["one", "UZ"], at["two", "UZ"]
+    assert abs(first["values"]["c"] - second["values"]["c"]) <= first["error"] + second["error"] < 1e-7
+    a, c = (at["one", "DRS"]["values"][name] for name in ("a", "c"))
+    roots = np.sort_complex(np.roots([1, -c, -a, -0.0025 / c]))  # of x^3 = c x^2 + a x + eps/c
+    assert abs(roots[0] - roots[1]) < 1e-4
+
+
+@pytest.mark.long
+def test_folds_of_orbits_homoclinic_to_a_cycle_have_errors():
+    """c2c: the cycle is a saddle along the curve; a fold is where its manifolds are tangent."""
+    loop = branches_of("c2c")["loop"]
+    assert loop["kind"] == "connection"
+    folds = [p for p in loop["points"] if p["type"] == "LP"]
+    assert folds
+    assert all(0.0 < p["error"] < 1e-6 for p in folds)
+    assert max(loop["columns"]["multiplier"]) < 1.0 < min(loop["columns"]["multiplier2"])
