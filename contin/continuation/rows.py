@@ -42,20 +42,21 @@ class Rows:
     def label(self, row: int, point: Verified, scale: Array) -> None:
         self.labelled.append((row, point, scale))
 
-    def add_piece(self, piece: Piece) -> None:
-        raw = piece.tangents * piece.scale
+    def add_piece(self, piece: Piece, sense: float = 1.0) -> None:
+        """sense : -1 where the order will be turned round."""
+        raw = piece.tangents * (sense * piece.scale)
         done = 0
         self.jumps += [self._length + sum(m.before <= k for m in piece.found) + k - 1 for k in piece.jumps]
         for mark in piece.found:
             k = min(max(mark.before - 1, done), len(piece.z))
             self.add_block(piece.z[done:k], raw[done:k], piece.unstable[done:k], piece.eigenvalues[done:k])
-            self.add_point(mark.point, mark.tangent * piece.scale, piece.scale)
+            self.add_point(mark.point, mark.tangent * (sense * piece.scale), piece.scale)
             done = k
         self.add_block(piece.z[done:], raw[done:], piece.unstable[done:], piece.eigenvalues[done:])
 
     def reverse(self) -> None:
-        """Turn the order round, tangents included."""
-        self._blocks = [(z[::-1], -t[::-1], u[::-1], e[::-1]) for z, t, u, e in reversed(self._blocks)]
+        """Turn the order round; the tangents are those of the new one already."""
+        self._blocks = [(z[::-1], t[::-1], u[::-1], e[::-1]) for z, t, u, e in reversed(self._blocks)]
         self.labelled = [(self._length - 1 - row, point, scale) for row, point, scale in reversed(self.labelled)]
         self.jumps = [self._length - row for row in reversed(self.jumps)]
 

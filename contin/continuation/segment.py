@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,12 @@ class Piece:
     jumps: tuple[int, ...] = ()  # numbers of rows, as of `Row.before`: unstable values change before them, see `Jump`
     hiding: int = 0  # notes that say that events may not have been told apart
     evaluations: int = 0
+
+    @cached_property
+    def extent(self) -> tuple[Array, Array]:
+        """The least and the greatest of each unknown, (N,) each, of one row or more."""
+        columns = np.ascontiguousarray(self.z.T)
+        return columns.min(axis=1), columns.max(axis=1)
 
     @classmethod
     def single(cls, sample: Sample, scale: Array) -> Piece:

@@ -174,7 +174,7 @@ def _assemble(
     rows = Rows()
     if -1 in records:
         for piece in records[-1].pieces:
-            rows.add_piece(piece)
+            rows.add_piece(piece, sense=-1.0)
         rows.reverse()
     start_row = _add_start(rows, departure, targets)
     if 1 in records:

@@ -88,13 +88,17 @@ def with_one_fixed(
     """F(z) = 0 (N - 1 equations, rows scaled like the unknowns) with z[index] = value; None where Newton fails."""
     start = guess.copy()
     start[index] = value
-    free = np.delete(np.arange(len(start)), index)
+    free = np.arange(len(start)) != index % len(start)
     rows = scale[:-1]
 
     def step(z: Array) -> Array | None:
         f, jacobian = linearise(z)
         d = solution((jacobian * scale / rows[:, None])[:, free], -f / rows)
-        return None if d is None else np.insert(d, index, 0.0)
+        if d is None:
+            return None
+        whole = np.zeros(len(start))
+        whole[free] = d
+        return whole
 
     found = by_steps(step, start, scale, Rules(far=1.0))
     return None if found is None else found.at

@@ -16,6 +16,7 @@ from contin.continuation.segment import Piece, Row
 
 SMALL: Final = 1e-6  # of its scale: an unknown this near to its floor lies on it
 STRAIGHT: Final = 1e-3  # of a step's length: a chord this near to the point at which all unknowns vanish leads through
+BOUNDS: Final = (np.minimum, np.maximum)
 
 
 def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
@@ -52,8 +53,9 @@ def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[i
     """The first row of the piece on or below a floor that the row before it was above."""
     if not floors:  # rows of orbits may change their length
         return None
-    rows = np.vstack([before[None], piece.z]) if len(piece.z) else before[None]
-    falls = []
+    if not len(piece.z) or all(floor.together and _stays_far(floor, before, piece) for floor in floors):
+        return None
+    rows, falls = np.vstack([before[None], piece.z]), []
     for floor in floors:
         if floor.together and _is_far(rows.T[list(floor.together)], piece.scale[list(floor.together)]):
             continue
@@ -62,6 +64,14 @@ def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[i
         if fallen.size:
             falls.append((int(fallen[0]), floor))
     return min(falls, key=lambda fall: fall[0]) if falls else None
+
+
+def _stays_far(floor: Floor, before: Array, piece: Piece) -> bool:
+    """`_is_far`, with the whole extent of the rows in place of their chords: fewer operations, and fewer truths."""
+    taken = list(floor.together)
+    ends = zip(BOUNDS, piece.extent, strict=True)
+    low, high = (bound(before, end)[taken] / piece.scale[taken] for bound, end in ends)
+    return bool(np.maximum(low, -high).max() > 2.0 * np.linalg.norm(high - low) + SMALL)
 
 
 def _is_far(unknowns: Array, scale: Array) -> bool:

@@ -57,12 +57,6 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
         return
 
 
-def _extent(z: Array) -> tuple[Array, Array]:
-    """The least and the greatest of each unknown, (N,) each, in rows z (m, N)."""
-    columns = np.ascontiguousarray(z.T)
-    return columns.min(axis=1), columns.max(axis=1)
-
-
 def _may_grow(problem: Problem) -> NDArray[np.bool_]:
     """True for the states: not angles, not the auxiliary vectors of a locus; without the last unknown."""
     states = problem.angle_periods == 0.0
@@ -99,9 +93,9 @@ class _Record:
         if not len(piece.z):
             return None
         if is_planar(self.arm.problem):
-            return self._nearing(piece) or (None if self.adaptive else self._infinite(piece, _extent(piece.z)))
-        size, extent = self._size(piece), _extent(piece.z)
-        growing = self._infinite(piece, extent) or self._unresolved(piece) or self._creeping(piece, size)
+            return self._nearing(piece) or (None if self.adaptive else self._infinite(piece))
+        size, extent = self._size(piece), piece.extent
+        growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece, size)
         values = float(extent[0][-1]), float(extent[1][-1])
         return growing or self._approaching(piece, size, values) or self._unmoved(piece, values)
 
@@ -153,8 +147,8 @@ class _Record:
             return self._stop(row, piece, "bound", f"{name} has grown to {size:.0e} times its scale; {text}")
         return self._stop(row, piece, "corrector", text)
 
-    def _infinite(self, piece: Piece, extent: tuple[Array, Array]) -> _Stop | None:
-        largest = np.maximum(np.abs(extent[0]), np.abs(extent[1]))  # whole rows only where an unknown may have grown
+    def _infinite(self, piece: Piece) -> _Stop | None:
+        largest = np.maximum(*map(np.abs, piece.extent))  # whole rows only where an unknown may have grown
         if not self._sizes(largest) >= self._next:
             return None
         sizes = self._sizes(piece.z)
