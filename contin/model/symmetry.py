@@ -15,14 +15,17 @@ import numpy as np
 
 from contin.model.dual import directional
 from contin.model.evaluate import evaluate_all
-from contin.model.expression import Expression, depends_on, number, symbol
+from contin.model.expression import Expression, depends_on, number, postorder, symbol
 from contin.model.parts import TIME, State, Symmetry
 from contin.model.source import Problems
 from contin.model.values import parameter_values
+from contin.model.vocabulary import PIECEWISE
 from contin.records import Record
 
 SAMPLES: Final = 5  # random points at which the equations are finite
 TRIES: Final = 60
+FAR_SAMPLES: Final = 60  # ... and of piecewise equations, farther away: beyond surfaces that no point near the start is
+DECADES: Final = 5  # of distances, from 1
 TOLERANCE: Final = 1e-8  # of the larger side
 DIGITS: Final = 40  # of the second look at a difference, which may be rounding
 _FLOOR: Final = 1e-25  # of the largest component: below it both sides are zero in the second look
@@ -59,7 +62,7 @@ class _Check:
         done = 0
         for attempt in range(TRIES):
             if done == SAMPLES:
-                return ""
+                return self.far_away(chance)
             point = self.sample(chance, attempt)
             sides = self.sides(point, math)
             if not all(math.isfinite(v) for side in sides for v in side):
@@ -76,13 +79,28 @@ class _Check:
             warnings.warn(f"symmetry {name} was not checked: {reason}", stacklevel=2)
         return ""
 
-    def sample(self, chance: random.Random, attempt: int) -> dict[str, float]:
+    def far_away(self, chance: random.Random) -> str:
+        """Of piecewise equations: why it is no symmetry where other formulas hold than near the start."""
+        if not any(node.op in PIECEWISE for node in postorder(self.equations)):
+            return ""
+        for k in range(FAR_SAMPLES):
+            point = self.sample(chance, 0, float(10 ** (k % DECADES)))
+            try:
+                finite = all(math.isfinite(v) for side in self.sides(point, math) for v in side)
+            except (OverflowError, ValueError, ZeroDivisionError):  # the equations have no value there
+                continue
+            worst = self.broken(point) if finite else None
+            if worst is not None:
+                return self.message(worst, point)
+        return ""
+
+    def sample(self, chance: random.Random, attempt: int, reach: float = 1.0) -> dict[str, float]:
         """A random point: general at first, nearer to the default guess when the equations are not finite there."""
         if attempt > TRIES // 2:
             point = dict(self.defaults)
         else:
             point = {n: v * chance.uniform(0.6, 1.4) + chance.uniform(-0.01, 0.01) for n, v in self.defaults.items()}
-        spread = 1.0 if attempt < TRIES // 3 else 0.1
+        spread = reach if attempt < TRIES // 3 else 0.1
         guesses = evaluate_all([s.value for s in self.states], self.defaults)
         for name, guess in zip(self.names, guesses, strict=True):
             centre = float(guess) if math.isfinite(guess) else 0.0

@@ -111,3 +111,13 @@ def test_stiff_scales_do_not_hide_a_broken_equation():
     with pytest.raises(InputError, match="the equation of y"):
         Model("m", states={"x": 1, "y": 1}, equations=equations, symmetries={"flip": {"x": "-x", "y": "-y"}})
     assert np.isfinite(Model("m", states={"x": 1, "y": 1}, equations=equations).start_point()[0]).all()
+
+
+@pytest.mark.parametrize("threshold", [5.0, 50.0, 900.0])
+def test_a_symmetry_must_hold_beyond_surfaces_far_from_the_start(threshold):
+    """x' = -x + max(x - k, 0) is odd for |x| < k alone; with the mirror image of the kink it is odd everywhere."""
+    one_sided = {"x": f"-x + max(x - {threshold}, 0)"}
+    with pytest.raises(InputError, match="not a symmetry"):
+        Model("m", states={"x": 1.0}, equations=one_sided, symmetries={"flip": {"x": "-x"}})
+    odd = {"x": f"-x + max(x - {threshold}, 0) - max(-x - {threshold}, 0)"}
+    assert Model("m", states={"x": 1.0}, equations=odd, symmetries={"flip": {"x": "-x"}}).symmetries

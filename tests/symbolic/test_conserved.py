@@ -161,6 +161,27 @@ def test_nothing_is_eliminated_that_is_not_a_linear_law_everywhere(equations):
         assert conserved_laws(model) == ()
 
 
+@pytest.mark.parametrize(
+    "equations",
+    [
+        {"x": "x - y if x < 0 else 1", "y": "x + y if x < 0 else 0.5"},  # x - 2 y on one side of the surface alone
+        {"x": "1 if x < 2000 else 3", "y": "2 if x < 2000 else -1"},  # 2 x - y, up to far beyond the start
+        {"x": "-abs(x)", "y": "x"},
+        {"x": "2*sign(y) - x*y", "y": "x*abs(y) - 2"},  # x + y where y > 0
+    ],
+)
+def test_a_law_of_one_side_of_a_surface_is_none(equations):
+    model = contin.Model("sided", states={"x": 1.0, "y": 0.3}, parameters={}, equations=equations)
+    assert conserved_laws(model) == ()
+
+
+def test_a_law_that_holds_on_both_sides_of_a_surface_is_found():
+    """sin(2 x) = 2 sin(x) cos(x) is told by numbers alone; the choice of formula is the same in both equations."""
+    equations = {"x": "-sin(2*x) if x > 0.4 else -y", "y": "2*sin(x)*cos(x) if x > 0.4 else y"}
+    model = contin.Model("both", states={"x": 1.0, "y": 0.3}, parameters={}, equations=equations)
+    assert laws_of(model) == [{"x": 1.0, "y": 1.0}]
+
+
 def test_models_without_laws_pay_one_evaluation_and_no_expansion(monkeypatch):
     monkeypatch.setattr(Monomials, "expand", lambda *_: pytest.fail("multiplied out"))
     assert conserved_laws(contin.load("classics/brusselator")) == ()

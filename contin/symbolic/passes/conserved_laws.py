@@ -20,9 +20,10 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import ContinError
 from contin.machine import elementary
-from contin.model.expression import Expression, add, mul, number, power, sub, symbol
+from contin.model.expression import Expression, add, mul, number, postorder, power, sub, symbol
 from contin.model.model import Model
 from contin.model.parts import TIME
+from contin.model.vocabulary import PIECEWISE
 from contin.symbolic.calculus.echelon import echelon, fractions
 from contin.symbolic.calculus.monomials import Monomial, Monomials, Terms, common_monomial, divided
 from contin.symbolic.calculus.sampling import sample
@@ -31,6 +32,7 @@ from contin.symbolic.passes.rational_kernels import Row, left_kernel, plain_basi
 LARGEST: Final = 400  # states; larger models are not looked at
 MORE: Final = 12  # samples than states
 SPREAD: Final = 1.5  # decimal powers around a natural size in which states are drawn
+WIDE: Final = 4.0  # ... of either sign, where the equations are piecewise: a law holds on both sides of every surface
 NOTHING: Final = 1e-9  # singular value, of the largest, that is zero but for rounding
 CHECKS: Final = 200  # points at which a law that only numbers show is tried
 AGREES: Final = 1e-10  # ... and its largest relative error there
@@ -84,12 +86,15 @@ class _Draws:
         except ContinError:  # a start that is not finite says nothing of sizes
             self.u, self.p = np.zeros(len(model.state_names)), np.ones(len(model.parameter_names))
 
-    def points(self, count: int, varied: bool) -> dict[str, Array]:
-        """Values of every symbol, (count,) each; `varied`: parameters too."""
+    def points(self, count: int, varied: bool, anywhere: bool = False) -> dict[str, Array]:
+        """Values of every symbol, (count,) each; `varied`: parameters too; `anywhere`: of either sign and all sizes."""
         usual = float(np.abs(self.u).max(initial=0.0)) or 1.0
         found = {}
         for name, value in zip(self.model.state_names, self.u, strict=True):
-            found[name] = (value or usual) * elementary.pow(10.0, self.chance.uniform(-SPREAD, SPREAD, count))
+            spread = WIDE if anywhere else SPREAD
+            found[name] = (value or usual) * elementary.pow(10.0, self.chance.uniform(-spread, spread, count))
+            if anywhere:
+                found[name] *= self.chance.choice((-1.0, 1.0), count)
         for name, value in zip(self.model.parameter_names, self.p, strict=True):
             factor = elementary.pow(10.0, self.chance.uniform(-0.5, 0.5, count)) if varied else np.ones(count)
             found[name] = factor * (value if value or not varied else 1.0)
@@ -208,10 +213,21 @@ def _rational_rows(space: Array) -> list[Row]:
 
 
 def _error(rates: Sequence[Expression], draws: _Draws, names: Sequence[str], row: Row) -> float:
-    """Largest |c . f| of the largest |c_i f_i| at random points; infinite where there are too few."""
-    table = _values([mul(number(c), f) for c, f in zip(row, rates, strict=True) if c], draws, CHECKS, varied=True)
+    """Largest |c . f| of the largest |c_i f_i| at random points; infinite where there are too few.
+
+    Points near the start may all lie on one side of a surface at which the equations change their formula. Where they
+    are piecewise, the law is asked for at points of either sign and all sizes as well, as far as f has values there.
+    """
+    parts = [mul(number(c), f) for c, f in zip(row, rates, strict=True) if c]
+    table = _values(parts, draws, CHECKS, varied=True)
     if table is None:
         return float("inf")
+    if any(node.op in PIECEWISE for node in postorder(rates)):
+        far = sample(parts, draws.points(CHECKS, varied=True, anywhere=True))
+        values = np.column_stack([np.broadcast_to(v, CHECKS) for v in far])
+        size = np.abs(values).max(axis=1)
+        good = np.isfinite(size) & (size > 0.0)
+        table = np.vstack([table, values[good] / size[good, None]])
     return float(np.abs(table.sum(axis=1)).max())
 
 
