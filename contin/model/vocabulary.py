@@ -11,5 +11,5 @@ STEPWISE: Final = frozenset({"floor", "ceil", "mod", "factorial"})  # they jump 
 VARIADIC_FUNCTIONS: Final = frozenset({"min", "max"})  # two or more arguments; stored with exactly two
 FUNCTIONS: Final = UNARY_FUNCTIONS | BINARY_FUNCTIONS | VARIADIC_FUNCTIONS
 COMPARISONS: Final = frozenset({"<", "<=", ">", ">=", "==", "!="})
-PIECEWISE: Final = COMPARISONS | STEPWISE | {"abs", "sign", "heaviside", "min", "max"}  # change their formula at surfaces
+PIECEWISE: Final = COMPARISONS | STEPWISE | {"abs", "sign", "heaviside", "min", "max"}  # other formulas beyond surfaces
 LOGICAL: Final = frozenset({"and", "or", "not"})

@@ -16,7 +16,7 @@ from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.equilibria.algebraic import AlgebraicProblem
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.surfaces.pseudo import Pseudo, pseudo_equilibrium, surface_at
+from contin.problems.surfaces.pseudo import Pseudo, boundary_equilibrium, pseudo_equilibrium, surface_at
 from contin.problems.surfaces.sliding import Sliding
 from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
@@ -82,13 +82,15 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
     guess. Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the
     residual history where no method converges, and with the nearest equilibrium that Newton finds from starts scattered
     around u, if there is one. On a surface where the equations of a flow jump, and beside one where nothing else is
-    found, the solution is a pseudo-equilibrium, if motion slides there.
+    found, the solution is a pseudo-equilibrium, if motion slides there; where the equilibria of one side arrive at the
+    surface, it is theirs.
     """
     u = _on_constraints(system, np.array(u, dtype=float), np.array(p, dtype=float))
-    if surface_at(system, u, np.asarray(p, dtype=float)) is not None:
-        sliding = _sliding(system, u, p, angle_periods)
-        if sliding is not None:
-            return sliding
+    surface = surface_at(system, u, np.asarray(p, dtype=float))
+    if surface is not None:
+        there = _boundary(system, u, p, angle_periods) or _sliding(system, u, p, angle_periods)
+        if there is not None:
+            return there
     try:
         return _regular(system, u, p, angle_periods)
     except NoSolutionError as error:
@@ -100,17 +102,21 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
         if sliding is not None:
             return sliding
         nearest = _nearest(system, u, p, angle_periods)
-        raise NoSolutionError(f"{error} {_advice(system, nearest)}") from None
+        on = "" if surface is None else (
+            f" The start lies on the surface {surface.surface.text}, where the equations jump: motion does not rest there, "
+            "and neither side has an equilibrium there."
+        )
+        raise NoSolutionError(f"{error}{on} {_advice(system, nearest)}") from None
 
 
 def _regular(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
     """Newton's equilibrium; on a surface where the equations jump, at which their own value says nothing, the
     pseudo-equilibrium."""
     found = _newton(system, u, p, angle_periods)
-    surface = surface_at(system, found.u, found.p)
+    surface = surface_at(system, found.u, found.p, solved=True)
     if surface is None:
         return found
-    sliding = _sliding(system, found.u, p, angle_periods)
+    sliding = _boundary(system, found.u, p, angle_periods) or _sliding(system, found.u, p, angle_periods)
     if sliding is None:
         raise NoSolutionError(
             f"no equilibrium found from the start: {_states(system, found.u)} lies on the surface "
@@ -124,6 +130,13 @@ def _sliding(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
     base = np.array(p, dtype=float)
     pseudo = pseudo_equilibrium(system, u, base, lambda slid, at: _newton(slid, at, base, angle_periods).u)
     return None if pseudo is None else Equilibrium(system, pseudo.u, base, angle_periods, pseudo)
+
+
+def _boundary(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium | None:
+    """The equilibrium of one side of a surface through u that lies on it."""
+    base = np.array(p, dtype=float)
+    found = boundary_equilibrium(system, u, base, lambda side, at: _newton(side, at, base, angle_periods).u)
+    return None if found is None else Equilibrium(system, found.u, base, angle_periods)
 
 
 def _on_constraints(system: System, u: Array, p: Array) -> Array:
