@@ -102,9 +102,13 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
         if sliding is not None:
             return sliding
         nearest = _nearest(system, u, p, angle_periods)
-        on = "" if surface is None else (
-            f" The start lies on the surface {surface.surface.text}, where the equations jump: motion does not rest there, "
-            "and neither side has an equilibrium there."
+        on = (
+            ""
+            if surface is None
+            else (
+                f" The start lies on the surface {surface.surface.text}, where the equations jump: motion does not rest "
+                "there, and neither side has an equilibrium there."
+            )
         )
         raise NoSolutionError(f"{error}{on} {_advice(system, nearest)}") from None
 

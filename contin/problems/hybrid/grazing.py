@@ -42,6 +42,7 @@ BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there ha
 CLOSED: Final = 1e-6  # of the states' sizes: an orbit is known to this
 HALVINGS: Final = 60
 LOCATED: Final = 1e-12  # (arclength, relative to the step)
+STEEP: Final = 1e-13  # of states beside a tangent landing: their error grows by 1/rate in all that is computed of them
 TOUCHES: Final = 1e-5  # clearance, relative to how far h changes over the orbit, of an orbit that touches its surface
 TANGENT: Final = 0.05  # rate on landing, relative to its largest along the arc, that may be on its way to zero
 
@@ -118,6 +119,7 @@ def _last_with_cycle(
 ) -> tuple[Sample, float] | None:
     """The last orbit of the family, within a step of this length from `base`, that has its cycle; and how far it is."""
     low, high, found = 0.0, length, None
+    settings = replace(settings, tolerance=STEEP)
     for _ in range(HALVINGS):
         if high - low <= LOCATED * length:
             break

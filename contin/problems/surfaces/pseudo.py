@@ -1,6 +1,6 @@
 """From a start next to a surface that motion slides on to the pseudo-equilibrium there (Filippov 1988, section 19).
 
-    f_s = (1 - a) f- + a f+,   grad h . f_s = 0,   0 < a < 1;   f_s = 0 and h = 0 at the pseudo-equilibrium
+f_s = (1 - a) f- + a f+,   grad h . f_s = 0,   0 < a < 1;   f_s = 0 and h = 0 at the pseudo-equilibrium
 """
 
 from __future__ import annotations
