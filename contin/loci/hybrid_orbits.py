@@ -17,7 +17,7 @@ from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
-from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, unexpected_on_curve
+from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve
 from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, SHORTER, HybridOrbits, renamed
 from contin.problems.hybrid.sampling import HybridProfile, extremes
 from contin.problems.two_parameters import TwoParameterProblem
@@ -93,6 +93,10 @@ class HybridLocus(TwoParameterProblem):
         """(event, arc) of the first event on the orbit that its cycle does not have."""
         family, orbit = self.at(z)
         return unexpected_on_curve(family, orbit, *self.curve.linearise(z))
+
+    def is_shut(self, z: Array) -> bool:
+        """See `contin.problems.hybrid.grazing`."""
+        return is_shut(*self.at(z))
 
     # the engine's contract --------------------------------------------------------------------------------------------
 

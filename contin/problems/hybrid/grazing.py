@@ -34,6 +34,9 @@ class OfCycles(Protocol):
     def unexpected(self, z: Array) -> tuple[int, int] | None:
         """(event, arc) of the first event on the orbit that its cycle does not have."""
 
+    def is_shut(self, z: Array) -> bool:
+        """See `is_shut`."""
+
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """See `contin.continuation.problem.Problem`."""
 
@@ -42,7 +45,7 @@ BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there ha
 CLOSED: Final = 1e-6  # of the states' sizes: an orbit is known to this
 HALVINGS: Final = 60
 LOCATED: Final = 1e-12  # (arclength, relative to the step)
-STEEP: Final = 1e-13  # of states beside a tangent landing: their error grows by 1/rate in all that is computed of them
+SHUT: Final = 1e-9  # ... and closes to this: beside a tangent landing errors of the states grow without bound
 TOUCHES: Final = 1e-5  # clearance, relative to how far h changes over the orbit, of an orbit that touches its surface
 TANGENT: Final = 0.05  # rate on landing, relative to its largest along the arc, that may be on its way to zero
 
@@ -101,6 +104,26 @@ def _carried(problem: CycleOfEvents, flown: Flown, k: int, p: Array) -> bool:
     return bool(crossed and np.sign(after) in SENSES[problem.flow.model.events[k].direction])
 
 
+def is_shut(problem: CycleOfEvents, z: Array) -> bool:
+    """False for an orbit with an almost tangent landing that does not close, though its states are known to `CLOSED`.
+
+    All that is computed of the orbit has errors then that are those of its states over the rate of that landing.
+    """
+    passage = problem.passage(z)
+    if passage is None:
+        return False
+    if all(abs(f.rate) >= TANGENT * _usual_rate(problem, z, f) for f in passage.flown):
+        return True
+    gap = problem.inner.linearise(z)[0] / problem.map.sizes[problem.map.kept]
+    return bool(np.isfinite(gap).all() and np.max(np.abs(gap)) < SHUT)
+
+
+def _usual_rate(problem: CycleOfEvents, z: Array, flown: Flown) -> float:
+    """How far h of an arc's event changes along the arc, by its time."""
+    heights = problem.flow.heights(flown.arc.event, arc_samples(problem, z, flown), problem.inner.full_parameters(z))
+    return float(np.ptp(heights)) / flown.time
+
+
 def cut_where_events_change(problem: OfCycles, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the orbit at which another event comes in, which is its last row then."""
     if chunk.stop is Stop.NOT_FINITE:  # beyond, an event of the cycle does not come
@@ -119,13 +142,12 @@ def _last_with_cycle(
 ) -> tuple[Sample, float] | None:
     """The last orbit of the family, within a step of this length from `base`, that has its cycle; and how far it is."""
     low, high, found = 0.0, length, None
-    settings = replace(settings, tolerance=STEEP)
     for _ in range(HALVINGS):
         if high - low <= LOCATED * length:
             break
         middle = 0.5 * (low + high)
         sample = problem.probe(base, middle, base.z + middle / length * (beyond - base.z), frame, settings)
-        if sample is not None and problem.unexpected(sample.z) is None:
+        if sample is not None and problem.unexpected(sample.z) is None and problem.is_shut(sample.z):
             low, found = middle, sample
         else:
             high = middle
@@ -193,9 +215,9 @@ def _lost_event(problem: CycleOfEvents, z: Array, before: Array) -> End | None:
     found, name = _lost((problem, z), (problem, before)), problem.parameters[0]
     if found is None:
         return None
-    k, ahead = found
+    k, ahead, most = found
     at = float(z[-1] + ahead * (z[-1] - before[-1]))
-    return _leaving(problem, k, f"{name} = {at:.8g}", {name: at}, abs(at - float(z[-1])))
+    return _leaving(problem, k, f"{name} = {at:.8g}", {name: at}, most * abs(float(z[-1] - before[-1])))
 
 
 def _leaving(problem: CycleOfEvents, k: int, where: str, at: Mapping[str, float], error: float) -> End:
@@ -203,21 +225,21 @@ def _leaving(problem: CycleOfEvents, k: int, where: str, at: Mapping[str, float]
     return End("grazing", f"{text}: beyond, the event does not come", {"at": dict(at), "event": k + 1, "error": error})
 
 
-def _lost(now: tuple[CycleOfEvents, Array], before: tuple[CycleOfEvents, Array]) -> tuple[int, float] | None:
-    """Of two orbits, the event whose crossing becomes tangent, and how many of their distances ahead.
+def _lost(now: tuple[CycleOfEvents, Array], before: tuple[CycleOfEvents, Array]) -> tuple[int, float, float] | None:
+    """Of two orbits, the event whose crossing becomes tangent, and how many of their distances ahead, at least and most.
 
-    The square of its rate falls to zero.
+    At least: where the square of its rate falls to zero with the distance, as it does where the jump is as large there
+    as elsewhere. At most: where its rate does, as where the jump vanishes with it (an impact).
     """
     problem, z = now
     passages = problem.passage(z), before[0].passage(before[1])
     if passages[0] is None or passages[1] is None:
         return None
     for one, then in zip(passages[0].flown, passages[1].flown, strict=True):
-        heights = problem.flow.heights(one.arc.event, arc_samples(problem, z, one), problem.inner.full_parameters(z))
-        usual = float(np.ptp(heights)) / one.time
         fallen = elementary.square(one.rate) - elementary.square(then.rate)
-        if abs(one.rate) < TANGENT * usual and fallen < 0.0:
-            return one.arc.event, -elementary.square(one.rate) / fallen
+        if abs(one.rate) < TANGENT * _usual_rate(problem, z, one) and fallen < 0.0:
+            square = -elementary.square(one.rate) / fallen
+            return one.arc.event, square, abs(one.rate) / (abs(then.rate) - abs(one.rate))
     return None
 
 
@@ -240,6 +262,6 @@ def curve_ending(
     found = None if before is None else _lost(now, before)
     if found is None or last is None:
         return None
-    k, ahead = found
+    k, ahead, most = found
     at = place + ahead * (place - last)
-    return _leaving(now[0], k, *said(at), float(np.abs(at - place).max()))
+    return _leaving(now[0], k, *said(at), most * float(np.abs(place - last).max()))

@@ -25,7 +25,7 @@ from contin.problems.dense_march import DenseLinearisation, dense_linearisation
 from contin.problems.equilibria import special_points
 from contin.problems.equilibria.normal_forms import with_normal_form
 from contin.problems.hybrid.cycle_of_events import CycleOfEvents
-from contin.problems.hybrid.grazing import cut_where_events_change, ending, unexpected
+from contin.problems.hybrid.grazing import cut_where_events_change, ending, is_shut, unexpected
 from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, extremes, norm, sampled
 from contin.problems.orbits.measured.measures import standard_columns, standard_names
@@ -57,6 +57,10 @@ class HybridOrbits(CycleOfEvents):
     def unexpected(self, z: Array) -> tuple[int, int] | None:
         """(event, arc) of the first event on the orbit that its cycle does not have."""
         return unexpected(self, z)
+
+    def is_shut(self, z: Array) -> bool:
+        """See `contin.problems.hybrid.grazing`."""
+        return is_shut(self, z)
 
     def profile(self, z: Array) -> HybridProfile:
         """The orbit over one period."""

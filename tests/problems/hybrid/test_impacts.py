@@ -1,0 +1,46 @@
+"""An oscillator that hits a wall: x'' + 2 z x' + x = F cos(w t), x' -> -r x' at x = s."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import contin
+
+W, Z, S, R = 1.9, 0.1, 0.3, 0.8
+PERIOD = 2.0 * math.pi / W
+
+
+@pytest.fixture(scope="module")
+def family() -> contin.Branch:
+    model = contin.Model(
+        "impacts",
+        states={"x": 0.2, "v": -0.3},
+        parameters={"F": {"value": 1.0, "range": [0.5, 2]}, "w": W, "z": Z, "s": S, "r": R},
+        forcing={"period": "2*pi/w"},
+        equations={"x": "v", "v": "F*cos(w*t) - 2*z*v - x"},
+        events=[{"when": "x - s", "direction": "up", "set": {"v": "-r*v"}}],
+    )
+    orbit = contin.periodic_orbit(model)
+    return contin.continuation(orbit, "F", (0.5, 2.0), values={"F": [0.8, 1.2, 1.7]})
+
+
+def test_every_row_has_the_period_of_the_force(family):
+    """The row before the grazing orbit too, where errors of the states grow by the rate of landing, which vanishes."""
+    assert abs(family.columns["period"] / PERIOD - 1.0).max() < 2e-9
+
+
+def test_the_family_ends_at_the_orbit_that_grazes_to_the_stated_error(family):
+    """That orbit does not hit the wall: F = s |(1 - w^2) + 2 i z w|."""
+    grazes = S * math.hypot(1.0 - W**2, 2.0 * Z * W)
+    (end,) = (end for end in family.ends if end.reason == "grazing")
+    assert abs(end.data["at"]["F"] - grazes) <= end.data["error"] < 1e-3
+
+
+def test_the_product_of_the_multipliers_is_that_of_liouville_with_one_impact(family):
+    """det = r^2 exp(-2 z T): the saltation matrix of an impact has the determinant r^2."""
+    assert len(family.points) >= 4
+    for point in family.points:
+        product = complex(math.prod(point.eigenvalues.tolist()))
+        assert product == pytest.approx(R**2 * math.exp(-2.0 * Z * PERIOD), rel=1e-9)
