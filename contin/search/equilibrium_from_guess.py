@@ -35,6 +35,10 @@ REAL = 1e-3  # relative difference of a state from the one that Newton's method 
 RADII = (0.1, 0.5, 2.0, 10.0)  # around a start that fails, relative to it, and ...
 STARTS = 8  # ... how many are tried within each
 SHOWN = 12  # states in a message
+NOT_AT_REST = (
+    " The start lies on the surface {}, where the equations jump: motion does not rest there, and neither side has an "
+    "equilibrium there."
+)
 ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a fold: Newton is linear there)
 
 
@@ -102,14 +106,7 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
         if sliding is not None:
             return sliding
         nearest = _nearest(system, u, p, angle_periods)
-        on = (
-            ""
-            if surface is None
-            else (
-                f" The start lies on the surface {surface.surface.text}, where the equations jump: motion does not rest "
-                "there, and neither side has an equilibrium there."
-            )
-        )
+        on = "" if surface is None else NOT_AT_REST.format(surface.surface.text)
         raise NoSolutionError(f"{error}{on} {_advice(system, nearest)}") from None
 
 

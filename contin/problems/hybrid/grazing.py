@@ -226,7 +226,7 @@ def _leaving(problem: CycleOfEvents, k: int, where: str, at: Mapping[str, float]
 
 
 def _lost(now: tuple[CycleOfEvents, Array], before: tuple[CycleOfEvents, Array]) -> tuple[int, float, float] | None:
-    """Of two orbits, the event whose crossing becomes tangent, and how many of their distances ahead, at least and most.
+    """Of two orbits, the event whose crossing becomes tangent, and how many of their distances ahead: least and most.
 
     At least: where the square of its rate falls to zero with the distance, as it does where the jump is as large there
     as elsewhere. At most: where its rate does, as where the jump vanishes with it (an impact).
