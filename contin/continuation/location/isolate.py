@@ -47,11 +47,14 @@ DEPTH = 60  # halvings of one step
 HALVINGS = 600  # ... in all: where tests are rounding, every half has changes of its own
 ROUNDING = 1e-14  # a test this small on both sides of an event may be zero all along
 LEFT = "Newton on its defining system left the neighbourhood"
+SAME_THERE = ", where {parameter} is the same to within its error"
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
 
-def _lost(stretch: Stretch, sample: Sample) -> Note:
-    return Note(where(stretch, sample, LOST_IN_ROUNDING), hides=True, at=sample.z)
+def _lost(stretch: Stretch, sample: Sample, alike: bool = False) -> Note:
+    """alike : all that could lie there has the same parameter."""
+    text = LOST_IN_ROUNDING + (SAME_THERE.format(parameter=stretch.problem.parameters[0]) if alike else "")
+    return Note(where(stretch, sample, text), hides=not alike, at=sample.z)
 
 
 def isolate(
@@ -76,7 +79,7 @@ def isolate(
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found) and any(_is_one(stretch, verified.point, known) for known in beside):
-            yield _lost(stretch, verified.sample)
+            yield _lost(stretch, verified.sample, _turns_only(stretch, types[0], verified.point))
         elif isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
             if len(companions) == 1 and _is_plain(stretch, companions[0], types[0]):
@@ -181,7 +184,10 @@ def _with_rest(
     if not told:
         close = max(look.distance for look in sides)
         text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{words}"
-        yield Note(where(stretch, point, text), hides=stretch.problem.adaptive)
+        alike = _turns_only(stretch, found.point.type, found.point, *(look.near for look in sides))
+        if alike:
+            text += SAME_THERE.format(parameter=stretch.problem.parameters[0])
+        yield Note(where(stretch, point, text), hides=stretch.problem.adaptive and not alike)
     elif cluster is not None and cluster.count > len(labelled):
         text = f"{found.point.type}: others lie about {cluster.distance:g} or less from it{words}"
         yield Note(where(stretch, point, text), hides=True)
@@ -194,6 +200,16 @@ def _of_event(crossing: NDArray[np.bool_], sides: Sequence[Side]) -> NDArray[np.
     zero = np.all([np.abs(side.near.tests) <= ROUNDING for side in sides], axis=0)
     told: NDArray[np.bool_] = crossing & ~zero
     return told if told.any() else crossing
+
+
+def _turns_only(stretch: Stretch, type_: str, point: Verified, *others: Sample) -> bool:
+    """True of a fold near which the parameter changes by less than the fold's error: others there are the same point.
+
+    As beside a canard, where branches of orbits are vertical to rounding.
+    """
+    if is_planar(stretch.problem) or stretch.problem.test_of(type_) != 0:
+        return False
+    return all(abs(float(other.z[-1] - point.z[-1])) <= point.error for other in others)
 
 
 def _is_rounding(stretch: Stretch, a: Sample, b: Sample) -> bool:
@@ -249,7 +265,8 @@ def _rest(
         else:
             unclear = a
     if unclear is not None:
-        yield _lost(stretch, unclear)
+        alike = bool(beside) and _turns_only(stretch, beside[-1].type, beside[-1], unclear)
+        yield _lost(stretch, unclear, alike)
 
 
 def _is_one(stretch: Stretch, a: Verified, b: Verified) -> bool:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.cli.auto_demos.results import branches_of, result_of
+from tests.cli.auto_demos.results import FOLDER, branches_of, result_of
+from tests.cli.calls import call
 
 FOLDS_OF_AB = [u / (1 - u) * exp(-14 * u / 3) for u in ((1 - sqrt(1 / 7)) / 2, (1 + sqrt(1 / 7)) / 2)]
 FOLD = 2 / (3 * sqrt(3))  # of mu + x - x^3
@@ -154,3 +155,13 @@ def test_a_simulation_settles_where_prey_and_predators_rest():
     """ivp: (1/3, 2) where nothing is harvested."""
     (simulation,) = result_of("ivp")["simulations"]
     assert [simulation["columns"][name][-1] for name in "uv"] == pytest.approx([1 / 3, 2], abs=1e-5)
+
+
+def test_folds_beside_a_canard_are_told_to_within_their_errors(capsys):
+    """fhn: beside its folds a changes by 1e-14, so that tests are rounding; whatever lies there has the same a."""
+    assert call("run", str(FOLDER / "fhn.yaml")) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "where a is the same to within its error near a = -0.430518245" in told
+    folds = [p for p in branches_of("fhn")["cycles"]["points"] if p["type"] == "LPC"]
+    first, second = (p["values"]["a"] for p in folds)
+    assert abs(first + second) < sum(p["error"] for p in folds) < 1e-9  # (x, y, a) -> -(x, y, a)
