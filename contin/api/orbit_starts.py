@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.api.fixed_totals import for_branches, is_auto, named_start, named_table
-from contin.api.machine_code import for_orbits
+from contin.api.machine_code import compiled, for_orbits
 from contin.api.requirements import need_parameters
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.lazy import module
@@ -18,10 +18,12 @@ from contin.model.model import Model
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.records import Fields, Record
 from contin.search.hybrid_orbit import HybridOrbit, hybrid_orbit
+from contin.search.large_orbit_from_samples import LargeOrbit, large_orbit_from_samples
 from contin.search.orbit_from_samples import orbit_from_samples
 from contin.search.shot_orbit import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.simulate.consistent import consistent_start
 from contin.symbolic.passes.corotating import frame_for, of_orbits
+from contin.systems.functions.function_problem import DENSE_IN_KERNELS, FunctionProblem
 
 
 def periodic_orbit(
@@ -35,7 +37,7 @@ def periodic_orbit(
     intervals: int | None = None,
     points: int = 4,
     method: str | None = None,
-) -> PeriodicOrbit | ShotOrbit | HybridOrbit:
+) -> PeriodicOrbit | ShotOrbit | HybridOrbit | LargeOrbit:
     """A periodic orbit at fixed parameters: the start of a continuation.
 
     Of a flow with `events`: the orbit, with its jumps, that the simulation from `start` settles on.
@@ -46,6 +48,8 @@ def periodic_orbit(
     `transient`);
         or an array (K, n) of states over one period, the last row the first again, at `times` (K,) or, with `period`,
         at equal times.
+        A function of more than 1,000 states with a sparse Jacobian starts from an array: make it with
+        `simulate(..., method="BDF")`.
     intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
         shooting: intervals is the number of segments.
 
@@ -114,7 +118,7 @@ def _with_events(model: Model, start: Any, parameters: Record | None, transient:
 def _through_samples(
     model: Any, start: Array, parameters: Record | None, period: float | None, times: Any, method: str | None,
     intervals: int | None, points: int,
-) -> PeriodicOrbit | ShotOrbit:  # fmt: skip
+) -> PeriodicOrbit | ShotOrbit | LargeOrbit:  # fmt: skip
     """The orbit through states (K, n) over one period."""
     if period is None and times is None:
         raise InputError(
@@ -125,6 +129,8 @@ def _through_samples(
         raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
     _, p = model.start_point(None, dict(parameters or {}))
     periods = np.asarray(model.periods(), dtype=float)
+    if isinstance(model, FunctionProblem) and model.n > DENSE_IN_KERNELS and model.method == "sparse":
+        return large_orbit_from_samples(compiled(model), t, start, p, method, intervals)
     if shooting_chosen(for_orbits(model), method):
         return orbit_from_return(for_orbits(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
     return orbit_from_samples(for_orbits(model), t, start, p, periods, intervals, points)

@@ -16,6 +16,7 @@ from contin.plane.field import PlanarField
 from contin.plane.flights import Flight
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.search.hybrid_orbit import HybridOrbit
+from contin.search.large_orbit_from_samples import LargeOrbit
 from contin.search.shot_orbit import ShotOrbit
 from contin.simulate.run import simulate
 
@@ -73,13 +74,15 @@ def _refined(field: PlanarField, flight: Flight, widths: Array) -> Cycle | None:
     return Cycle(whole.states, float(orbit.period), float(elementary.exp(min(max(exponent, -700.0), 700.0))))
 
 
-def _first(orbit: PeriodicOrbit | ShotOrbit | HybridOrbit) -> Array:
+def _first(orbit: PeriodicOrbit | ShotOrbit | HybridOrbit | LargeOrbit) -> Array:
     """A point of the orbit: after the last jump, where there are any."""
     if isinstance(orbit, HybridOrbit):
         passage = orbit.map.passage(orbit.u, orbit.p)
         if passage is None:
             raise NoSolutionError("the orbit with jumps does not return")
         return np.asarray(passage.flown[-1].after, dtype=float)
+    if isinstance(orbit, LargeOrbit):
+        return orbit.problem.beginning(orbit.z)
     return np.asarray(orbit.profile.u[0] if isinstance(orbit, PeriodicOrbit) else orbit.nodes.u[0], dtype=float)
 
 

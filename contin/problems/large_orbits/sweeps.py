@@ -25,6 +25,7 @@ from contin.problems.large_orbits.radau import STAGES
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
 
 SMALL: Final = 10_000  # unknowns up to which every interval is factored by itself, solves being quicker
+MANY: Final = 1_000_000  # unknowns times intervals from which factors of all would take gigabytes, of bands too
 
 
 class Interval(Protocol):
@@ -50,7 +51,7 @@ class Sweeps:
         pattern = Pattern.of(matrices[0])
         threes = [matrices[k : k + STAGES] for k in range(0, len(matrices), STAGES)]
         pairs = list(zip(threes, steps.tolist(), strict=True))
-        if n > SMALL and not factoriser.is_band_for(pattern.matrix(*pairs[0])):
+        if n * len(pairs) > MANY or (n > SMALL and not factoriser.is_band_for(pattern.matrix(*pairs[0]))):
             return cls(intervals_with_shared_factors(pairs, factoriser.tally), n)
         return cls([factoriser.factor(pattern.matrix(three, step)) for three, step in pairs], n)
 

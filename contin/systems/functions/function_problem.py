@@ -58,7 +58,8 @@ class FunctionProblem(GivenFunction):
         if self.n > DENSE_IN_KERNELS:
             raise InputError(
                 f"function {self.name!r} has {self.n} states; orbits and trajectories by compiled steps keep a dense "
-                f"Jacobian, for up to {DENSE_IN_KERNELS}. Simulate it with method='BDF' and a sparse Jacobian"
+                f"Jacobian, for up to {DENSE_IN_KERNELS}. Simulate it with method='BDF' and a sparse Jacobian; orbits "
+                "start at Hopf points, or from samples of such a simulation"
             )
         return FunctionInKernels(self)
 

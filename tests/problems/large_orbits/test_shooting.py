@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.integrate import solve_ivp
 
 import contin
-from contin.errors import InputError
+from contin.errors import InputError, NoSolutionError
 from contin.linalg.tally import Tally
 from contin.problems.large_orbits.from_starts import FromStarts, Mesh
 from contin.problems.large_orbits.interval import Pattern
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
+from contin.search.large_orbit_from_samples import large_orbit_from_samples
 from tests.problems.large_orbits.cycles import family, landau, planted
 
 EXACT = {"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}
@@ -114,3 +116,63 @@ def test_meshes_are_halved_where_errors_are_large_and_joined_again():
     joined = finer.coarsened(np.full(len(finer.steps), 1e-13))
     assert len(joined.steps) < len(finer.steps)
     assert joined.lengths.sum() == pytest.approx(1.0)
+
+
+def uniform(mu, points):
+    """Samples of the oscillation |A|^2 = mu, exact in time and on every grid; times, and the period."""
+    period = 2 * np.pi / (1 + 0.8 * mu)
+    times = np.linspace(0, period, 25)
+    angles = 2 * np.pi * times / period
+    waves = np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.sqrt(mu) * np.repeat(waves, points, axis=1), times, period
+
+
+def test_orbits_of_more_than_a_thousand_states_start_from_samples():
+    model = landau(502, "differences")
+    samples, times, period = uniform(0.3, 502)
+    orbit = contin.periodic_orbit(model, samples, {"mu": 0.3}, times=times, intervals=10)
+    assert orbit.period == pytest.approx(period, rel=1e-4)
+    found = contin.continuation(orbit, "mu", (0.1, 0.5), settings={"steps": 1})
+    np.testing.assert_allclose(found.columns["period"] * (1 + 0.8 * found.columns["mu"]), 2 * np.pi, rtol=1e-4)
+
+
+def test_samples_lead_to_an_orbit_by_shooting_or_to_words():
+    system = landau(24, "differences").system()
+    samples, times, period = uniform(0.3, 24)
+    p = np.array([0.3, 0.5, -0.8])
+    orbit = large_orbit_from_samples(system, times, samples, p, "shooting")
+    assert orbit.period == pytest.approx(period, rel=ERROR)
+    with pytest.raises(NoSolutionError, match=r"not near a periodic orbit|lead to an equilibrium"):
+        large_orbit_from_samples(system, times, 0.01 * samples, np.array([-0.3, 0.5, -0.8]))
+
+
+def test_modulated_waves_of_the_kuramoto_sivashinsky_equation_return_moved_along_the_circle():
+    """Born on travelling waves, in their frame; seen from rest the flow over a period is a rotation: amplitudes of all
+    Fourier modes return, and phases turn by k times one angle (second method: LSODA)."""
+    flame = contin.load({
+        "name": "kuramoto-sivashinsky", "kind": "pde",
+        "domain": {"x": {"to": "2*pi", "points": 24, "method": "fourier"}},
+        "fields": {"u": "-2.6*sin(x)"}, "parameters": {"nu": {"value": 0.8, "range": [0.1, 0.95]}},
+        "equations": {"u": "-nu*dxxxx(u) - dxx(u) - u*dx(u)"},
+        "conserved": {"u": 0}, "travelling": {"axis": "x", "like": {"u": "-sin(x) - sin(2*x)"}},
+    })  # fmt: skip
+    standing = contin.continuation(flame, "nu", (0.28, 0.95), settings={"steps": 40})
+    waves = contin.continuation(standing["BP1"].switch(), "nu", (0.2, 0.95), settings={"steps": 60})
+    hopf = next(p for p in waves.points if p.type == "HB")
+    found = contin.continuation(hopf.switch(), "nu", (0.2, 0.3), settings={"steps": 5, "method": "shooting"})
+    z = found.z[-1]
+    nu, period, start = z[-1], z[-2], found.problem.beginning(z)
+    k = np.fft.fftfreq(24, 1 / 24)
+    odd = np.where(np.arange(24) == 12, 0, k)
+
+    def rate(t, u):
+        modes = np.fft.fft(u)
+        return np.fft.ifft((k**2 - nu * k**4) * modes).real - u * np.fft.ifft(1j * odd * modes).real
+
+    flown = solve_ivp(rate, (0, period), start, method="LSODA", rtol=1e-11, atol=1e-12).y
+    first, last = np.fft.fft(flown[:, 0])[1:9], np.fft.fft(flown[:, -1])[1:9]
+    size = np.abs(first[0])
+    np.testing.assert_allclose(np.abs(last), np.abs(first), atol=ERROR * size)
+    turn = np.angle(last[0] / first[0])
+    np.testing.assert_allclose(last * np.exp(-1j * turn * np.arange(1, 9)), first, atol=ERROR * size)
+    assert np.ptp(np.abs(np.fft.fft(flown, axis=0)[1])) > 0.01 * size  # it is modulated
