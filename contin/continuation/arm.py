@@ -20,6 +20,7 @@ from contin.continuation.problem import (
     Chunk,
     Corner,
     Frame,
+    Jump,
     Problem,
     Sample,
     Stop,
@@ -268,6 +269,8 @@ class Arm:
         elif isinstance(point, Corner):
             turns = beyond.tangent[-1] * chunk.tangents[-1][-1] < 0.0
             notes = (f"{TURNS if turns else BENDS} near {course.position(point.z)}",)
+        elif chunk.unstable[-1] != beyond.unstable and isinstance(point, Jump) and point.at is not None:
+            notes = (f"at {course.position(point.at)}, {point.text}",)
         elif chunk.unstable[-1] != beyond.unstable:
             notes = (f"{JUMPS} near {course.position(beyond.z)}",)
         jumps = () if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)

@@ -164,11 +164,12 @@ class Corner:
     z: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Jump:
     """Unstable values change by any number, for the equations are not smooth there: no special point, and no riddle."""
 
     text: str  # why
+    at: Array | None = None  # exactly where, if that is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -370,8 +371,11 @@ class Problem(ABC):
 
     def cross_corner(
         self, last: Sample, frame: Frame, settings: Settings
-    ) -> tuple[Sample, Verified | Corner | None] | None:
-        """Where a march failed at a corner of piecewise equations: a point beyond it and the fold on it, if any."""
+    ) -> tuple[Sample, Verified | Corner | Jump | None] | None:
+        """Where a march failed at a corner of piecewise equations: a point beyond it and the fold on it, if any.
+
+        A jump where the parameter goes on and the number of unstable values does not.
+        """
         return None
 
     def is_lost(self, test: int, z: Array, scale: Array) -> bool:

@@ -13,6 +13,8 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.told import Told
 from contin.errors import ContinError, NoSolutionError, NotFiniteError
+from contin.model.evaluate import evaluate
+from contin.model.model import Model
 from contin.problems.equilibria.algebraic import AlgebraicProblem
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
@@ -114,6 +116,9 @@ def _regular(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
     """Newton's equilibrium; on a surface where the equations jump, at which their own value says nothing, the
     pseudo-equilibrium."""
     found = _newton(system, u, p, angle_periods)
+    below = _below_lowest(system, found)
+    if below:
+        raise NoSolutionError(f"no equilibrium found from the start: {_states(system, found.u)} has {below}.")
     surface = surface_at(system, found.u, found.p, solved=True)
     if surface is None:
         return found
@@ -124,6 +129,19 @@ def _regular(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
             f"{surface.surface.text}, where the equations jump, and motion does not slide there."
         )
     return sliding
+
+
+def _below_lowest(system: System, found: Equilibrium) -> str:
+    """The state below the lowest value at which the equations have a meaning (an amplitude's 0), in words."""
+    model = getattr(system, "model", None)
+    if not isinstance(model, Model):
+        return ""
+    values = dict(zip(system.parameter_names, found.p.tolist(), strict=True))
+    for state, value in zip(model.states, found.u.tolist(), strict=True):
+        lowest = None if state.minimum is None else float(evaluate(state.minimum, values))
+        if lowest is not None and value < lowest - FAR * (abs(value) + abs(lowest)):
+            return f"{state.name} below its lowest value {lowest:.6g}"
+    return ""
 
 
 def _sliding(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium | None:

@@ -66,3 +66,27 @@ def test_a_state_that_is_truly_small_stays():
     system = model({"x": "1e-20*p - x", "y": "p - y"}, {"x": 0.0, "y": 0.0}, {"p": 1.0})
     found = contin.equilibrium(system, {"x": 1e-3, "y": 0.5})
     assert found.u == pytest.approx([1e-20, 1.0], rel=1e-12, abs=0.0)
+
+
+def test_an_amplitude_below_zero_is_no_equilibrium():
+    """x'' + x = eps (a v - k sign(v) - c v^3): a r/2 = 2 k/pi + 3 c r^3/8, in which sign(v) presumes r > 0."""
+    oscillator = contin.Model(
+        "rubbing",
+        states={"x": 1.0, "v": 0.0},
+        parameters={"eps": 0.1, "a": 0.6},
+        equations={"x": "v", "v": "-x + eps*(a*v - 0.5*sign(v) - 0.1*v^3)"},
+        averaging={"small": "eps", "oscillators": [{"position": "x", "velocity": "v"}]},
+    )
+    averaged = contin.average(oscillator, form="polar")
+    roots = np.roots([3 * 0.1 / 8, 0.0, -0.3, 2 * 0.5 / np.pi])
+    found = 0
+    for start in np.linspace(-4.0, 4.0, 17):
+        try:
+            r = contin.equilibrium(averaged, {"r": start}).u[0]
+        except NoSolutionError as error:
+            assert start <= 0.0 and "nearest equilibrium found is r = -" not in str(error)
+            continue
+        found += 1
+        assert r > 0.0
+        assert np.abs(roots - r).min() < 1e-9
+    assert found >= 8

@@ -41,6 +41,10 @@ def where(stretch: Stretch, a: Sample, text: str) -> str:
     return f"{text} near {position(stretch.problem, a.z)}"
 
 
+def exactly(stretch: Stretch, z: Array, text: str) -> str:
+    return f"at {position(stretch.problem, z)}, {text}"
+
+
 def anchored(point: Verified, place: Array) -> Verified:
     """The point with this place on its own branch."""
     return replace(point, vectors={**point.vectors, "beside": place})

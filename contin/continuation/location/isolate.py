@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.location.both_sides import Side, are_all, cluster_at, sides_beyond, sides_of, vanishes_linearly
-from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, where
+from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, exactly, where
 from contin.continuation.location.lost_digits import turning_alone, unresolved
 from contin.continuation.location.rest_of_step import (
     is_clear,
@@ -370,7 +370,8 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
             if corner is None and _is_elsewhere(stretch, a, b, item, length):  # at a corner tests need not be small
                 yield _lost(stretch, a)
         elif isinstance(item, Jump):
-            yield Note(where(stretch, a, item.text), jump=stretch.length_of(b))
+            text = where(stretch, a, item.text) if item.at is None else exactly(stretch, item.at, item.text)
+            yield Note(text, jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
             yield Note(where(stretch, a, item.reason), item.suspect)
 

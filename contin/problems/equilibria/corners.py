@@ -22,6 +22,7 @@ BEHIND = 1e-5  # how far behind it the branch is taken up again
 APART = 1e-6  # two surfaces crossed in one step are told apart where they are this far (arclength) from each other
 NEAREST = 1e-4  # steps that end past a surface by rounding are repeated with shorter ones down to this length
 ON_ITS_ARM = 1e-7  # (scaled) distance of a row from the curve of its own side
+JUMPS = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 VERTICAL = 1e-12  # a smaller part of the parameter in a (scaled) tangent is rounding, and so is its sign
 
 
@@ -46,13 +47,30 @@ def verify_corner(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fram
         z, residual, error = solved
         if not crossed[k] and np.linalg.norm((z - a.z) / frame.scale) > gap:
             continue
-        if a.tests[0] * b.tests[0] < 0.0:
+        if a.tests[0] * b.tests[0] < 0.0 or _turns_at(problem, z, a, b, frame.scale):
             stable = min(a.unstable, b.unstable)
             return Verified("LP", z, residual, error, a.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": int(k)})
         if a.unstable != b.unstable:
-            return Jump("the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on")
+            return Jump(JUMPS, z)
         return NOTHING
     return None
+
+
+def _turns_at(problem: AlgebraicEquations, z: Array, a: Sample, b: Sample, scale: Array) -> bool:
+    """True where the parameter turns at a corner z that a or b is itself, as a start may be: its tangent is neither arm's.
+
+    The arms' own tangents are those of the formulas on both sides of it, oriented from a to b.
+    """
+    chord = (b.z - a.z) / scale
+    length = float(np.linalg.norm(chord))
+    if a.tests[0] * b.tests[0] != 0.0 or not length > 0.0:
+        return False
+    slopes = []
+    for sense in (-1.0, 1.0):
+        _, matrix = problem.linearise(z + sense * STEP * scale * chord / length)
+        tangent = np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1]
+        slopes.append(float(tangent[-1] * np.sign(tangent @ chord)))
+    return slopes[0] * slopes[1] < 0.0 and min(abs(slope) for slope in slopes) > VERTICAL
 
 
 def one_corner_a_step(problem: AlgebraicEquations, chunk: Chunk, scale: Array) -> Chunk:
@@ -92,12 +110,13 @@ def _off_its_arm(problem: AlgebraicEquations, z: Array, scale: Array) -> bool:
 
 def cross_corner(
     problem: AlgebraicEquations, last: Sample, frame: Frame, settings: Settings
-) -> tuple[Sample, Verified | None] | None:
+) -> tuple[Sample, Verified | Jump | None] | None:
     """Past a corner that turns the branch so sharply that no step along its tangent meets it again.
 
     The nearest switching surface ahead of `last` is solved for together with F = 0; behind it the Jacobian of the other
     formula gives the new tangent, oriented so that the surface is crossed and not touched. Returns a point just beyond
-    with the nonsmooth fold, if the parameter turns; None where no surface is close ahead.
+    with the nonsmooth fold, if the parameter turns, or the jump of the number of unstable eigenvalues; None where no
+    surface is close ahead.
     """
     system = problem.system
     if not system.n_switches:
@@ -136,8 +155,9 @@ def cross_corner(
         turns = beyond.tangent[-1] * last.tangent[-1] < 0.0 and abs(float(last.tangent[-1])) > VERTICAL
         stable = min(last.unstable, beyond.unstable)
         form, vectors = {"kind": "nonsmooth"}, {"switch": int(k)}
-        point = Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors) if turns else None
-        return beyond, point
+        if turns:
+            return beyond, Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors)
+        return beyond, None if last.unstable == beyond.unstable else Jump(JUMPS, z)
     return None
 
 

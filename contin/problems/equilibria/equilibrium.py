@@ -306,7 +306,7 @@ class EquilibriumProblem(AlgebraicEquations):
 
     def cross_corner(
         self, last: Sample, frame: Frame, settings: Settings
-    ) -> tuple[Sample, Verified | Corner | None] | None:
+    ) -> tuple[Sample, Verified | Corner | Jump | None] | None:
         if self._opaque and not self.system.n_switches:
             return cross_unnamed_corner(self, last, frame, settings)
         crossed = corners.cross_corner(self, last, frame, settings)

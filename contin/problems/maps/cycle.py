@@ -203,7 +203,7 @@ class CycleProblem(OfFixedPoints):
 
     def cross_corner(
         self, last: Sample, frame: Frame, settings: Settings
-    ) -> tuple[Sample, Verified | Corner | None] | None:
+    ) -> tuple[Sample, Verified | Corner | Jump | None] | None:
         inner = self._inner_frame(frame)
         crossed = self.inner.cross_corner(self._inner_sample(last), inner, settings)
         if crossed is None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contin
+from contin.model.model import Model
 from tests.problems.cases import oscillator, zeros
 from tests.problems.follow import assert_labels, follow, labels, reasons
 
@@ -99,6 +100,40 @@ def test_jump_of_stability_at_a_corner_is_noted_and_not_a_hopf_point():
     assert "jumps at a corner" in branch.notes[0]
     assert set(branch.columns["unstable"][branch.columns["p"] < 0]) == {0}
     assert set(branch.columns["unstable"][branch.columns["p"] > 0]) == {2}
+
+
+@pytest.mark.parametrize("place", [0.0, 0.37])
+@pytest.mark.parametrize("start", [-1.0, 0.0])
+@pytest.mark.parametrize("kind", ["map", "flow"])
+def test_jump_of_stability_at_a_corner_is_noted_exactly_where_it_is(kind, start, place):
+    """A map's slope jumps from 0.4 to -1.3 at x = 0 (border collision); a flow's trace from -0.4 to 0.2."""
+    if kind == "map":
+        piece = Model(
+            "border", kind="map", states={"x": start}, parameters={"p": start + place},
+            equations={"x": f"p - {place} + (0.4*x if x < 0 else -1.3*x)"},
+        )  # fmt: skip
+    else:
+        piece = Model(
+            "pair", states={"x": start, "y": 0.0}, parameters={"p": start + place},
+            equations={"x": "y + 0.3*abs(x)", "y": f"p - {place} - x - 0.1*y"},
+        )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(piece), "p", (-2.0, 2.0))
+    assert branch.points == ()
+    (note,) = (note for note in branch.notes if "corner" in note)
+    where = note.removeprefix("at p = ").split(",")[0]
+    assert float(where) == pytest.approx(place, abs=1e-12)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("turn", ["abs(x)", "max(x, -2*x)", "(x if x > 0 else -3*x)"])
+def test_a_start_on_a_fold_at_a_corner_is_that_fold(turn, unit):
+    states = {"x": {"value": 0.0, "scale": unit}}
+    model = Model("corner", states=states, parameters={"p": 0.0}, equations={"x": f"{unit}*p - {turn}"})
+    branch = contin.continuation(contin.equilibrium(model), "p", (-2.0, 2.0))
+    assert_labels(branch, [("LP", 0.0)])
+    assert branch.points[0].normal_form["kind"] == "nonsmooth"
+    assert reasons(branch) == ("bound", "bound")
+    assert branch.columns["p"].min() >= -1e-12
 
 
 def test_hopf_point_with_a_kink_in_the_growth_rate_is_a_hopf_point():
