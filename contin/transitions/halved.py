@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -9,9 +10,12 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError
+from contin.problems.hybrid.hybrid_orbits import HybridOrbits
+from contin.problems.maps.cycle import CycleProblem
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.search.orbit_from_samples import orbit_from_samples
 from contin.search.shot_orbit import orbit_from_return
+from contin.systems.iterate import iterate
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_orbits import ShootingProblem
@@ -19,11 +23,15 @@ if TYPE_CHECKING:
 SAMPLES: Final = 400  # of half the orbit
 
 
-def halved(problem: OrbitProblem | ShootingProblem, z: Array) -> Seed:
-    """A start on the family of half the period at the orbit z, which runs through one of its orbits twice.
+def halved(problem: OrbitProblem | ShootingProblem | HybridOrbits | CycleProblem, z: Array) -> Seed:
+    """A start on the family of half the period at the orbit (or cycle of a map) z, which runs through one twice.
 
     Raises NoSolutionError where Newton does not find that one.
     """
+    if isinstance(problem, CycleProblem):
+        return _half_a_cycle(problem, z)
+    if isinstance(problem, HybridOrbits):
+        return Seed(problem.halved(), z)
     profile, system = problem.profile(z), problem.system
     p = problem.full_parameters(z[~np.isnan(z)])[: len(problem.base)]
     s = np.linspace(0.0, 0.5, SAMPLES + 1)
@@ -45,3 +53,12 @@ def halved(problem: OrbitProblem | ShootingProblem, z: Array) -> Seed:
         orbit = orbit_from_return(system, states[0], p, periods, 0.5 * profile.period, multiple, None)
     seed: Seed = orbit.seed(problem.parameters[0])
     return seed
+
+
+def _half_a_cycle(problem: CycleProblem, z: Array) -> Seed:
+    """The same points, once: they solve the equations of the shorter cycle as they are."""
+    system, times = problem.system.base, problem.period // 2
+    inner = replace(problem.inner, system=iterate(system, times))
+    if times == 1:
+        return Seed(inner, problem.first(z))
+    return Seed(CycleProblem(inner), np.append(z[: times * problem.n], z[-1]))

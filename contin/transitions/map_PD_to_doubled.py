@@ -9,13 +9,14 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.location.halting import HALF_PERIOD
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.equilibria.normal_forms import jet_at
 from contin.problems.equilibria.scaled import ScaledSystem
-from contin.problems.maps.cycle import HALF_PERIOD, lifted
+from contin.problems.maps.cycle import lifted
 from contin.systems.iterate import iterate
 from contin.transitions.equilibrium_BP_to_branches import crossing_branches, renewed_metric
 from contin.transitions.registry import Explored, born

@@ -35,8 +35,8 @@ def mirror(problem: Problem, found: Sequence[Found], scale: Array, symmetries: S
 
 
 def halves(problem: Problem, f: Found, scale: Array) -> bool:
-    """True where orbits meet those of half the period."""
-    return f.point.type == "BPC" and _reverses(problem, f, scale, (HALF_PERIOD,))
+    """True where orbits, or cycles of maps, meet those of half the period."""
+    return f.point.type in ("BP", "BPC") and _reverses(problem, f, scale, (HALF_PERIOD,))
 
 
 def halt(problem: Problem, found: Sequence[Found], scale: Array, stop_at: Sequence[str]) -> Halt | None:

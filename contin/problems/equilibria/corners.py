@@ -57,7 +57,7 @@ def verify_corner(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fram
 
 
 def _turns_at(problem: AlgebraicEquations, z: Array, a: Sample, b: Sample, scale: Array) -> bool:
-    """True where the parameter turns at a corner z that a or b is itself, as a start may be: its tangent is neither arm's.
+    """True where the parameter turns at a corner z that a or b is itself, as a start may be.
 
     The arms' own tangents are those of the formulas on both sides of it, oriented from a to b.
     """

@@ -54,6 +54,12 @@ class HybridOrbits(CycleOfEvents):
         twice = replace(self.map, arcs=2 * self.map.arcs, winding=2.0 * self.map.winding)
         return HybridOrbits(replace(self.inner, system=twice))
 
+    def halved(self) -> HybridOrbits:
+        """Orbits with the first half of the cycle of events."""
+        arcs = self.map.arcs
+        half = replace(self.map, arcs=arcs[: len(arcs) // 2], winding=0.5 * self.map.winding)
+        return HybridOrbits(replace(self.inner, system=half))
+
     def unexpected(self, z: Array) -> tuple[int, int] | None:
         """(event, arc) of the first event on the orbit that its cycle does not have."""
         return unexpected(self, z)
@@ -156,10 +162,10 @@ class HybridOrbits(CycleOfEvents):
     def _halves(self, z: Array, tangent: Array) -> bool:
         """True where the second half of the orbit repeats the first, and `tangent` (raw) drives them apart."""
         arcs = self.map.arcs
-        if len(arcs) % 2 or arcs[: len(arcs) // 2] != arcs[len(arcs) // 2 :]:
+        events = [(arc.event, arc.then) for arc in arcs]  # their lengths are of the orbit that the family began with
+        if len(arcs) % 2 or events[: len(arcs) // 2] != events[len(arcs) // 2 :]:
             return False
-        half = replace(self.map, arcs=arcs[: len(arcs) // 2], winding=0.5 * self.map.winding)
-        value, matrix = half.jacobian(z[:-1], self.inner.full_parameters(z))
+        value, matrix = self.halved().map.jacobian(z[:-1], self.inner.full_parameters(z))
         sizes = self.map.sizes[self.map.kept]
         if not float(np.max(np.abs(value - z[:-1]) / sizes)) <= SAME:
             return False

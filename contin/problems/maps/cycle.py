@@ -20,6 +20,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.location.halting import HALF_PERIOD
 from contin.continuation.problem import Chunk, Corner, Frame, Jump, Outcome, Rejected, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
@@ -34,7 +35,6 @@ from contin.problems.equilibria.fixed_points import OfFixedPoints
 from contin.special.table import test_on_branch
 from contin.systems.iterate import IteratedSystem
 
-HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves become the same cycle of half the period
 SINGULAR = 1e-9
 LONGEST = 64  # period to which the explorer follows a cascade of doublings
 SAME = 1e-6
