@@ -153,7 +153,7 @@ def correct(
         off = off + size if chord else size
         y = y + step
         first = size if first == 0.0 else first
-        ratio = size / size_before
+        ratio = size / size_before if size_before > 0.0 else 0.0
         left = size * ratio if chord else size * ratio * ratio
         met = not _is_judged(type(now)) or cast(Judged, now).met
         done = size <= tolerance and (met or not once_more or iteration == NEWTON_LIMIT)

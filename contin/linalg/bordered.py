@@ -98,10 +98,24 @@ class ApproximateBordered:
         self.inner, self.rows = inner, rows
         self.columns = np.column_stack([inner.solve(columns[:, j]) for j in range(columns.shape[1])])
         schur = corner - rows.T @ self.columns
-        self.schur = np.linalg.pinv(schur) if np.all(np.isfinite(schur)) else np.eye(len(schur))
+        self.schur = _inverse(schur) if np.all(np.isfinite(schur)) else np.eye(len(schur))
 
     def solve(self, right: Vector) -> Vector:
         n = len(self.rows)
         x = self.inner.solve(right[:n])
         y = self.schur @ (right[n:] - self.rows.T @ x)
         return np.concatenate([x - self.columns @ y, y])
+
+
+def _inverse(matrix: Vector) -> Vector:
+    """The inverse, or what comes nearest to it, of a small matrix whose rows and columns may have any sizes.
+
+    Next to a singular A one entry of a Schur complement may be larger than all others by the inverse of rounding.
+    """
+    rows = _sizes(np.abs(matrix).max(axis=1, initial=0.0))
+    columns = _sizes(np.abs(matrix / rows[:, None]).max(axis=0, initial=0.0))
+    return np.asarray(np.linalg.pinv(matrix / rows[:, None] / columns) / columns[:, None] / rows)
+
+
+def _sizes(largest: Vector) -> Vector:
+    return np.where(largest > 0.0, largest, 1.0)

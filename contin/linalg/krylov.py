@@ -103,7 +103,7 @@ def _cycle(
             w = w - np.einsum("i,ij->j", h, basis[: k + 1])
             hessenberg[: k + 1, k] += h
         length = norm(w)
-        if not np.isfinite(length):  # LAPACK would print that
+        if not (np.isfinite(length) and np.all(np.isfinite(hessenberg[: k + 1, k]))):  # LAPACK would print that
             return np.zeros_like(v), k + 1, np.inf
         hessenberg[k + 1, k] = length
         steps = k + 1

@@ -14,6 +14,7 @@ from contin.linalg.bordered import Approximate, ApproximateBordered, Solver, bor
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, Accuracy, gmres
 from contin.linalg.tally import Tally
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
 TELLING = 3  # iterations from which they tell a rate
 ROUNDED = 1e-15  # relative residual below which rounding does not let it fall
+EPSILON = float(np.finfo(float).eps)
+SEVERAL = 100.0  # rounding errors of A x that a residual may have
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
 
 
@@ -168,7 +171,11 @@ class KrylovLinear:
     def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
         if self.exact and self.precise is not None:
             return self.precise.solve(right)
-        return self._finish(gmres(self.apply, self.precondition, right, tolerance or self.attainable))
+        x, used, residual = gmres(self.apply, self.precondition, right, tolerance or self.attainable)
+        if residual > ACCURATE and np.all(np.isfinite(x)) and right.any():  # A is nearly singular, and x large
+            floor = EPSILON * norm(self.magnitude(np.abs(x))) / norm(right)
+            residual = ACCURATE if residual <= SEVERAL * floor else residual
+        return self._finish((x, used, residual))
 
     def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
         return KrylovBordered(self, columns, rows, corner, COARSE if coarse else self.attainable)

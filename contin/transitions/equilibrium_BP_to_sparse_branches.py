@@ -30,10 +30,13 @@ def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) 
         problem = problem.with_active(parameter, point.z)
     problem.precisely(point.z)
     k = int(point.vectors.get("kernel", 1))
-    if k > 1:
-        curves = ReducedJet(kernel_at(problem, point.z, own, point.scale, k), point.z).branches()
-    else:
-        curves = reduction(problem, point.z, own, point.scale)[0].crossing(point.z)
+    try:
+        if k > 1:
+            curves = ReducedJet(kernel_at(problem, point.z, own, point.scale, k), point.z).branches()
+        else:
+            curves = reduction(problem, point.z, own, point.scale)[0].crossing(point.z)
+    except ArithmeticError as failure:
+        raise InputError(f"{point.branch}.{point.label}: {failure}") from failure
     cosines = [abs(float((d / point.scale) @ own)) / norm(d / point.scale) for d, _ in curves]
     others = [curve for curve, cosine in zip(curves, cosines, strict=True) if cosine < PARALLEL]
     if not others:

@@ -22,6 +22,7 @@ from contin.problems.sparse.large_linearisation import LargeLinearisation, Works
 from contin.systems.functions.function_system import FunctionSystem
 
 STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
+FEWEST_STABLE = 2  # eigenvalues that are followed; with fewer, the next ones are looked for again
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 OLD = 0.09  # part of an error that factors of an earlier point leave
 NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
@@ -128,7 +129,8 @@ class LargeEquations(InOneParameterProblem):
         if old is not None and work.vectors is not None:
             found, work.gain = followed(linear, *old, work.vectors, work.gain)
             work.vectors = found.vectors
-            return found
+            if int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
+                return found
         if linear.matrix is not None:
             right, up = work.region.of(linear.matrix)
             if work.vectors is None and not np.isfinite(right):  # later ones grow out of those of the first point

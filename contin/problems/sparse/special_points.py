@@ -278,6 +278,8 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
 def reduction(problem: LargeEquations, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
     """The reduced equation at z, bordered by the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
     spectrum = problem.spectrum(z, at_zero=True)
+    if not spectrum.values.size:
+        raise ArithmeticError("the eigenvalue nearest to zero was not found")
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
     null = np.append(q, 0.0) / scale
     null /= norm(null)
@@ -374,6 +376,9 @@ def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
     size = norm(t)
     if np.isfinite(size) and size < 1e8:
         return [t / size]
-    reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)
+    try:
+        reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)
+    except ArithmeticError as failure:
+        raise InputError(f"no direction of a branch was found at the start: {failure}") from failure
     crossing = [d / scale for d, _ in reduced.crossing(z)]
     return [t / norm(t) for t in crossing] or [t / size]
