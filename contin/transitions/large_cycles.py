@@ -6,18 +6,21 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.large_orbits.large_orbit import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
 from contin.problems.large_orbits.layout import OnPoints
 from contin.problems.large_orbits.radau import STAGES, Trajectory
 from contin.problems.sparse.large_equilibrium import LargeProblem
+from contin.systems.functions.function_problem import DENSE_IN_KERNELS
 
 
 def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> Seed:
     """Small cycles u + r 2 Re(q exp(2 pi i t)), to first order in r."""
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
+    _need_entries(problem)
     n, omega, q = problem.n, float(point.vectors["omega"]), np.asarray(point.vectors["q"])
     p = problem.full_parameters(point.z)
     orbits = LargeOrbitProblem(problem.system, p, problem.active, OnPoints(INTERVALS))
@@ -37,3 +40,13 @@ def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> 
         orbits, z, direction / norm(direction), None, scale, (1,), Parent(point.branch, point.label),
         measured=(int(np.sum(others.real > 0.0)), multipliers),
     )  # fmt: skip
+
+
+def _need_entries(problem: LargeProblem) -> None:
+    """InputError: what is missing, where the Jacobian is only applied and too large for a product a column."""
+    model = problem.system.model
+    if model.method != "sparse" and problem.n > DENSE_IN_KERNELS:
+        raise InputError(
+            f"function {model.name!r} has {problem.n} states and no entries of its Jacobian: orbits factor its linear "
+            f"equations, and beyond {DENSE_IN_KERNELS} states need a sparse `jacobian`, or its `sparsity`"
+        )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample
 from contin.linalg.factor import Factoriser
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 from contin.problems.large_orbits.layout import Layout
 from contin.problems.large_orbits.multipliers import leading
@@ -159,9 +159,13 @@ class LargeOrbitEquations(InOneParameterProblem):
         p, layout = self.full_parameters(z), self.layout
         orbit = self.profile(z)
         slopes = layout.slopes(self.points, p, orbit)
-        if norm(slopes / scale[:-2]) < SMALL:
-            slopes = layout.turned(self.points, p, z[:-2], tangent[:-2] * scale[:-2], float(z[-2]))
+        still = norm(slopes / scale[:-2]) < SMALL
+        change = tangent[:-2] * scale[:-2]
+        if still:
+            slopes = layout.turned(self.points, p, z[:-2], change, float(z[-2]))
         weighted = slopes * layout.weights(orbit)
+        if still and change.any():  # the orbits that it sets out to have that phase, at one point of time too
+            weighted = weighted - change * (dot(weighted, change) / dot(change, change))
         self.memory.reference = z[:-2].copy()
         self.memory.direction = weighted / max(norm(weighted * scale[:-2]), 1e-300)
 

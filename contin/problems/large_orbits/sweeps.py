@@ -25,7 +25,7 @@ from contin.problems.large_orbits.radau import STAGES
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
 
 SMALL: Final = 10_000  # unknowns up to which every interval is factored by itself, solves being quicker
-MANY: Final = 4_000_000  # unknowns times intervals from which factors of all, of bands too, would take 4 GB and more
+MANY: Final = 2_000_000  # unknowns times intervals from which factors of all, of bands too, would take over 6 GB
 
 
 class Interval(Protocol):

@@ -114,6 +114,8 @@ class JacobianSource:
         from scipy.sparse import csc_matrix
 
         model = self.system.model
+        if model.method != "sparse":
+            return csc_matrix(self._by_products(u, p))
         if model.jacobian is None:
             return self._coloured(u, p)
         matrix = called("Jacobian", model.jacobian, u, self.system._named(p))
@@ -124,6 +126,11 @@ class JacobianSource:
         if not matrix.has_canonical_format:
             matrix.sum_duplicates()
         return matrix
+
+    def _by_products(self, u: Array, p: Array) -> Array:
+        """The entries of a Jacobian that is only applied, n products."""
+        product = self._product(u, p)
+        return np.column_stack([product(column) for column in np.eye(self.system.n)])
 
     # coloured differences ---------------------------------------------------------------------------------------------
 

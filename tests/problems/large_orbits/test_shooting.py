@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 from scipy.integrate import solve_ivp
+from scipy.sparse.linalg import LinearOperator
 
 import contin
 from contin.errors import InputError, NoSolutionError
@@ -11,7 +12,9 @@ from contin.linalg.tally import Tally
 from contin.problems.large_orbits.from_starts import FromStarts, Mesh
 from contin.problems.large_orbits.interval import Pattern
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
+from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.search.large_orbit_from_samples import large_orbit_from_samples
+from contin.transitions.large_cycles import large_cycles
 from tests.problems.large_orbits.cycles import family, landau, planted
 
 EXACT = {"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}
@@ -64,6 +67,28 @@ def test_a_fold_of_cycles_and_its_curve_from_three_segments():
     assert abs(fold.values["mu"] + 0.25) < fold.error < ERROR
     curve = contin.continuation(fold.locus(), ("mu", "a"), {"mu": (-0.6, 0.1), "a": (-0.4, 0.4)}, settings={"steps": 4})
     np.testing.assert_allclose(curve.columns["mu"], -((1 + curve.columns["a"]) ** 2) / 4, atol=ERROR)
+
+
+def test_a_family_is_born_whatever_the_phases_of_its_states():
+    """The real part of the eigenvector is not normal to the imaginary one: states follow a circular orbit, w' = 2 y - w
+    three times and b' = 50 (1.3 y - b) six times, an eighth of a period apart."""
+
+    def residual(u, p):
+        x, y, w, b = u[0], u[1], u[2:5], u[5:]
+        growth = p["mu"] - x * x - y * y
+        return np.concatenate([[growth * x - y, growth * y + x], 2 * y - w, 50 * (1.3 * y - b)])
+
+    pattern = np.eye(11)
+    pattern[:, :2] = 1
+    model = contin.FunctionProblem(residual, np.zeros(11), {"mu": -0.5}, sparsity=sparse.csc_matrix(pattern))
+    line = contin.continuation(model, "mu", (-0.6, 0.2))
+    q = line["HB1"].vectors["q"]
+    assert abs(q.real @ q.imag) > 0.3 * np.linalg.norm(q.real) * np.linalg.norm(q.imag)
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 3, "method": "shooting"})
+    assert isinstance(found.problem.layout, FromStarts)
+    assert len(found) > 3
+    np.testing.assert_allclose(found.columns["period"], 2 * np.pi, rtol=ERROR)
+    np.testing.assert_allclose(found.columns["u1.max"] ** 2, found.columns["mu"], atol=ERROR)
 
 
 def test_multipliers_of_a_uniform_oscillation_are_those_in_closed_form():
@@ -176,3 +201,34 @@ def test_modulated_waves_of_the_kuramoto_sivashinsky_equation_return_moved_along
     turn = np.angle(last[0] / first[0])
     np.testing.assert_allclose(last * np.exp(-1j * turn * np.arange(1, 9)), first, atol=ERROR * size)
     assert np.ptp(np.abs(np.fft.fft(flown, axis=0)[1])) > 0.01 * size  # it is modulated
+
+
+def test_a_jacobian_that_is_only_applied_has_orbits():
+    """Up to 1,000 states its entries are products; beyond, words."""
+
+    def model(n):
+        decay = -np.arange(1.0, n - 1)
+
+        def residual(u, p):
+            growth = p["mu"] - u[0] ** 2 - u[1] ** 2
+            return np.concatenate([[growth * u[0] - u[1], growth * u[1] + u[0]], decay * u[2:]])
+
+        def jacobian(u, p):
+            x, y = u[:2]
+            growth = p["mu"] - x * x - y * y
+
+            def product(v):
+                top = [(growth - 2 * x * x) * v[0] - (2 * x * y + 1) * v[1],
+                       (1 - 2 * x * y) * v[0] + (growth - 2 * y * y) * v[1]]  # fmt: skip
+                return np.concatenate([top, decay * v[2:]])
+
+            return LinearOperator((n, n), matvec=product, dtype=float)
+
+        return contin.FunctionProblem(residual, np.zeros(n), {"mu": -0.5}, jacobian)
+
+    line = contin.continuation(model(30), "mu", (-0.6, 0.2))
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 2, "intervals": 8})
+    np.testing.assert_allclose(found.columns["period"], 2 * np.pi, rtol=1e-4)
+    large = LargeProblem(model(1001).system(), np.array([0.0]), 0, None)
+    with pytest.raises(InputError, match="1001 states and no entries of its Jacobian: orbits factor"):
+        large_cycles(large, line["HB1"], "mu")
