@@ -48,8 +48,7 @@ def periodic_orbit(
     `transient`);
         or an array (K, n) of states over one period, the last row the first again, at `times` (K,) or, with `period`,
         at equal times.
-        A function of more than 1,000 states with a sparse Jacobian starts from an array: make it with
-        `simulate(..., method="BDF")`.
+        A sparse function of more than 1,000 states starts from an array, of `simulate(..., method="BDF")`.
     intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
         shooting: intervals is the number of segments.
 
