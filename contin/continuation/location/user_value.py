@@ -69,7 +69,7 @@ class Target:
     def error(self, stretch: Stretch, near: Sample) -> float:
         """Of the parameters where the column has the value, that a finer mesh tells; one that is asked for is exact."""
         problem = stretch.problem
-        if self.column == problem.parameters[0] and len(problem.parameters) == 1:
+        if self.column == problem.parameters[0] and len(problem.parameters) == 1 and not problem.free_names:
             return 0.0
         return moved_by_mesh(stretch, near, self.column, self.value)
 
@@ -90,7 +90,7 @@ def moved_by_mesh(stretch: Stretch, near: Sample, column: str, value: float) -> 
     off, slope = change(column, value)
     ahead = -off / slope if slope != 0.0 else 0.0
     moved = []
-    for name in stretch.problem.parameters:
+    for name in (*stretch.problem.parameters, *stretch.problem.free_names):
         by, rate = change(name, float(Target(name, 0.0).values(stretch.problem, near.z[None])[0]))
         moved.append(abs(by + ahead * rate))
     return SAFETY * max(moved)

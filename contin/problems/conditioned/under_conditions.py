@@ -206,6 +206,14 @@ class Conditioned(Problem):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(_Still(self, np.zeros(0)), base, length, guess, frame, settings)
 
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        finer = self.finer(sample, frame)
+        if finer is None:
+            return None
+        problem, moved, there = finer
+        found = problem.probe(moved, 0.0, moved.z, there, Settings())
+        return None if found is None else (problem, found, there)
+
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return python_march.with_one_fixed(self, -1, guess, value, scale, TOLERANCE)
 
