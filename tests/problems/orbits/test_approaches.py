@@ -91,7 +91,7 @@ def test_an_approach_is_told_whatever_the_steps(birth, fine, settings):
     assert end.data["passes"] == 2
     assert end.data["error"] < 1e-6
     assert abs(end.data["at"]["mu"] - limit["at"]["mu"]) <= end.data["error"] + limit["error"]
-    assert len(family.z) < 150
+    assert len(family.z) < 300  # 78 to 204, as rounding has it: the last steps are short; thousands where they failed
 
     def distances(family):
         mu, period = family.columns["mu"], family.columns["period"]
