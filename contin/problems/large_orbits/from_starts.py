@@ -6,6 +6,7 @@ The steps of a segment are halves, quarters, ... of equal ones; which, is chosen
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
@@ -56,7 +57,7 @@ class Mesh:
 
     @property
     def lengths(self) -> Array:
-        return np.array([0.5**step.level for step in self.steps]) / self.equal
+        return np.array([math.ldexp(1.0, -step.level) for step in self.steps]) / self.equal
 
     def first_of(self, equal: int) -> int:
         """Place of the step with which an equal one begins."""
@@ -72,7 +73,7 @@ class Mesh:
             parts = [step]
             while error > TOLERANCE and parts[0].level < min(step.level + 3, DEEPEST):
                 parts = [half for part in parts for half in part.halves()]
-                error *= 0.5**ORDER
+                error = math.ldexp(error, -ORDER)
             made += parts
         return Mesh(self.equal, tuple(made))
 
@@ -82,7 +83,7 @@ class Mesh:
         for step, error in zip(self.steps, errors.tolist(), strict=True):
             if made and step.level > 0 and step.place % 2 == 1:
                 other, before = made[-1]
-                joined = max(before, error) * 2.0 ** (ORDER + 1)
+                joined = math.ldexp(max(before, error), ORDER + 1)
                 if (other.equal, other.level, other.place) == (step.equal, step.level, step.place - 1) and (
                     joined < 0.25 * TOLERANCE
                 ):
