@@ -16,8 +16,8 @@ from contin.linalg.linear import KrylovLinear
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-WORTH = 90  # solves that take as long as new factors (51 and 56 on meshes of 300 x 300 and 1,000 x 1,000 nodes) and
-# the eigenvalues that are then looked for from the start
+WORTH = 200  # solves that take as long as new factors (51 and 56 on meshes of 300 x 300 and 1,000 x 1,000 nodes) and
+# the search for eigenvalues that comes with them
 TOO_MANY = 20  # GMRES iterations of one solve from which old factors are renewed whatever they cost
 NEAR = 1e-3  # distance, as a part of the largest number, from which factors are another point's
 
