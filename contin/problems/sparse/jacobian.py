@@ -61,7 +61,7 @@ class JacobianSource:
             if self.system.model.preconditioner is not None:
                 return self._preconditioned(matrix, u, p)
             cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
-            return DirectLinear(matrix, self.factoriser) if cheap else self._old.at(matrix, np.append(u, p))
+            return DirectLinear(matrix, self.factoriser) if cheap else self._old.at(matrix, u, p)
         return self._matrix_free(u, p)
 
     def forget(self) -> None:

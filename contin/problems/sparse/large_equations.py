@@ -19,13 +19,13 @@ from contin.machine import elementary
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.large_linearisation import LargeLinearisation, Workspace
+from contin.problems.sparse.old_factors import is_near
 from contin.systems.functions.function_system import FunctionSystem
 
 STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
 FEWEST_STABLE = 2  # eigenvalues that are followed; with fewer, the next ones are looked for again
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 OLD = 0.09  # part of an error that factors of an earlier point leave
-NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +116,7 @@ class LargeEquations(InOneParameterProblem):
         """
         work = self.work
         linear = work.linear
-        size = float(np.abs(z).max(initial=1e-300))
-        if linear is None or work.z is None or float(np.abs(work.z - z).max()) > NEAR * size:
+        if linear is None or work.z is None or not is_near(z[:-1], z[-1:], work.z[:-1], work.z[-1:]):
             linear = self.linear(z)
         assert linear is not None
         n = self.n

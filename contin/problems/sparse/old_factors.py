@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 WORTH = 200  # solves that take as long as new factors (51 and 56 on meshes of 300 x 300 and 1,000 x 1,000 nodes) and
 # the search for eigenvalues that comes with them
 TOO_MANY = 20  # GMRES iterations of one solve from which old factors are renewed whatever they cost
-NEAR = 1e-3  # distance, as a part of the largest number, from which factors are another point's
+NEAR = 1e-3  # change of the states, as a part of the largest, or of a parameter from which factors are another point's
 
 
 class OldFactors:
@@ -29,27 +29,27 @@ class OldFactors:
         self.factoriser = factoriser
         self._last: KrylovLinear | None = None
         self._points = self._spent = 0  # that the factors have served, and the GMRES iterations there
-        self._place = np.empty(0)  # where they were made
+        self._place = np.empty(0), np.empty(0)  # where they were made
 
     def forget(self) -> None:
         """The next matrix is factored."""
         self._last = None
 
-    def at(self, matrix: csc_matrix, place: Array) -> KrylovLinear:
-        """The matrix as an operator.  place : (n + m,) states and parameters where it belongs."""
+    def at(self, matrix: csc_matrix, u: Array, p: Array) -> KrylovLinear:
+        """The matrix as an operator.  u, p : states (n,) and parameters (m,) where it belongs."""
 
         def product(v: Array) -> Array:
             return np.asarray(matrix @ v)
 
         last, tally = self._last, self.factoriser.tally
         if last is None or last.precise is None or self._worn_out(last):
-            self._points, self._spent, self._place = 0, 0, place
+            self._points, self._spent, self._place = 0, 0, (u.copy(), p.copy())
             rough = self.factoriser.rough(matrix)
             factor = self.factoriser.factor(matrix) if rough is None else rough
             exact = rough is None
             self._last = KrylovLinear(product, factor.solve, factor, exact, fresh=True, matrix=matrix, tally=tally)
             return self._last
-        near = float(np.abs(place - self._place).max()) <= NEAR * float(np.abs(place).max())
+        near = is_near(u, p, *self._place)
         self._last = KrylovLinear(product, last.precise.solve, last.precise, near=near, matrix=matrix, tally=tally)
         self._last.borders = last.borders
         return self._last
@@ -65,3 +65,9 @@ class OldFactors:
         self._points += 1
         self._spent += last.used
         return last.used * self._points > WORTH + self._spent or last.iterations > TOO_MANY
+
+
+def is_near(u: Array, p: Array, other_u: Array, other_p: Array) -> bool:
+    """Whether a matrix at states u and parameters p is hardly another one than that at others; each in its own unit."""
+    moved = float(np.abs(u - other_u).max(initial=0.0)) <= NEAR * float(np.abs(u).max(initial=0.0))
+    return moved and bool(np.all(np.abs(p - other_p) <= NEAR * np.abs(p)))

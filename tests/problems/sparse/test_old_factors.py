@@ -90,7 +90,7 @@ def test_new_factors_are_made_where_they_pay():
     made = OldFactors(Factoriser())
     intervals, last = [], 0
     for k in range(200):
-        operator = made.at(matrix, np.array([float(k + 1)]))
+        operator = made.at(matrix, np.zeros(n), np.array([float(k + 1)]))
         if operator.fresh:
             intervals.append(k - last)
             last = k
@@ -110,3 +110,14 @@ def test_eigenvalues_are_followed_with_a_preconditioner_that_leaves_a_third_of_a
     seconds = [np.sort(np.real(line["LP1"].eigenvalues))[-2] for line in lines]
     assert seconds[0] == pytest.approx(seconds[1], rel=1e-3)
     assert lines[0].effort["applications"] <= 1300  # measured 1,110; several times as many without
+
+
+@pytest.mark.parametrize("other", [0.0, 1e9])
+def test_factors_are_near_by_each_unknown_in_its_own_unit(other):
+    """A large parameter that stays says nothing of how far the states have moved."""
+    matrix = sp.identity(3, format="csc")
+    made, u = OldFactors(Factoriser()), np.array([1.0, -2.0, 0.5])
+    made.at(matrix, u, np.array([0.3, other]))
+    assert made.at(matrix, u * (1.0 + 1e-4), np.array([0.3, other])).near
+    assert not made.at(matrix, u * 1.01, np.array([0.3, other])).near
+    assert not made.at(matrix, u, np.array([0.31, other])).near
