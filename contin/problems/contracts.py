@@ -39,6 +39,9 @@ class DenseInOneParameter(InOneParameter, Protocol):
     def n(self) -> int: ...
     @property
     def is_map(self) -> bool: ...
+    def linearise(self, z: Array) -> tuple[Array, Array]:
+        """F (n,) and [F_u F_p] (n, n + 1)."""
+
     def linear_part(self, z: Array) -> Array:
         """(n, n)"""
 

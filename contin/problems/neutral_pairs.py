@@ -38,10 +38,12 @@ KNOWN: Final = 1e-14  # ... and this nearly, they are one in the compiled tests 
 ROUNDING: Final = 8.0 * float(np.finfo(float).eps)  # error of an entry beside the row's and column's size
 SAFETY: Final = 10.0
 STEP: Final = 1e-7  # (relative to the states' and parameter's scales) of the second difference that measures rounding
+BESIDE: Final = 1e-4  # (so too) how far from a row the Jacobian of the compiled march's eigenvalues may be
 CLEAR: Final = 0.5  # part of what the compiled tests allow for that an error may be
 ON_CIRCLE: Final = 1e-7  # distance from the unit circle of a multiplier of an orbit that is on it, to its error
 NEARLY: Final = 0.05  # ... and of one whose error is not known
 LOOKS: Final = 5  # rows of a branch at which pairs are looked for
+ENOUGH: Final = 3  # ... that have them make a part of a branch
 
 
 def misfits(values: Values, is_map: bool) -> Array:
@@ -68,10 +70,15 @@ def is_suspect(values: Values, is_map: bool) -> bool:
 
 
 def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> Array:
-    """Errors of the eigenvalues of f_u at z, (n,): of rounding in the formulas, and in the eigenvalues themselves."""
+    """Errors of the eigenvalues of f_u at z, (n,).
+
+    Of rounding in the formulas and in the eigenvalues themselves, and of what f_u changes by on the way to the solution
+    next to z: Newton's method leaves a distance of |J^-1 f|.
+    """
     matrix = problem.linear_part(z)
-    shift = STEP * scale * np.where(np.arange(len(z)) % 2, -1.0, 1.0)
+    shift = STEP * scale * _alternating(len(z))
     rounding = np.abs(problem.linear_part(z + shift) - 2.0 * matrix + problem.linear_part(z - shift))
+    rounding += np.abs(problem.linear_part(z + _to_solution(problem, z, scale)) - matrix)
     balanced = scale[:-1] / scale[0]
     if np.all(np.isfinite(matrix)):
         # as QR does, whose errors are meant
@@ -91,6 +98,20 @@ def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Arr
     return np.asarray(SAFETY * each[nearest])
 
 
+def _alternating(size: int) -> Array:
+    """1, -1, 1, ...: a direction that no structure of the equations prefers."""
+    return np.where(np.arange(size) % 2, -1.0, 1.0)
+
+
+def _to_solution(problem: DenseInOneParameter, z: Array, scale: Array) -> Array:
+    """The shortest Newton step from z to the curve, (n + 1,); zero where there is none."""
+    f, jacobian = problem.linearise(z)
+    rows = np.abs(jacobian * scale).max(axis=1)
+    if not (np.all(np.isfinite(f)) and np.all(np.isfinite(rows)) and np.all(rows > 0.0)):
+        return np.zeros(len(z))
+    return np.asarray(scale * np.linalg.lstsq(jacobian * scale / rows[:, None], -f / rows, rcond=None)[0])
+
+
 def _left_vectors(right: Values) -> Values:
     """Unit left eigenvectors, in columns, to right ones: the rows of the inverse; zero where there is none."""
     try:
@@ -104,6 +125,18 @@ def _left_vectors(right: Values) -> Values:
 def paired(values: Values, errors: Array, is_map: bool) -> Values:
     """The eigenvalues with those that are pairs to their errors made exact ones; each takes part in one pair."""
     exact = values.copy()
+    for i, j in _close(values, errors, is_map):
+        a, b = values[i], values[j]
+        if is_map:
+            root = np.sqrt(a * b)
+            exact[i], exact[j] = a / root, b / root
+        else:
+            exact[i], exact[j] = 0.5 * (a - b), 0.5 * (b - a)
+    return exact
+
+
+def _close(values: Values, errors: Array, is_map: bool) -> Sequence[tuple[int, int]]:
+    """The pairs to their errors, the closest first."""
     size = np.abs(values)
     if is_map:
         limits = errors[:, None] * size + errors * size[:, None]
@@ -113,16 +146,12 @@ def paired(values: Values, errors: Array, is_map: bool) -> Values:
         gaps = np.abs(values[:, None] + values)
     close = np.triu(gaps <= limits, 1)
     left = set(range(len(values)))
+    found = []
     for i, j in sorted(zip(*np.nonzero(close), strict=True), key=lambda pair: float(gaps[pair])):
         if i in left and j in left:
             left -= {i, j}
-            a, b = values[i], values[j]
-            if is_map:
-                root = np.sqrt(a * b)
-                exact[i], exact[j] = a / root, b / root
-            else:
-                exact[i], exact[j] = 0.5 * (a - b), 0.5 * (b - a)
-    return exact
+            found.append((int(i), int(j)))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +171,9 @@ class NeutralMarch(DenseMarch):
 
 
 def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> bool:
-    """True where eigenvalues are pairs to their errors, and these are more than the compiled tests allow for.
+    """True where eigenvalues are pairs to their errors, but not to what the compiled tests allow for.
+
+    Those are of the last but one iterate of Newton's method: pairs on the solution alone are none there.
 
     values : at z, where they are known.
     """
@@ -163,23 +194,41 @@ def _is_neutral_at(problem: DenseInOneParameter, z: Array, scale: Array) -> bool
         return False
     errors = errors_of(problem, z, values, scale)
     taken = paired(values, errors, problem.is_map) != values
-    return bool(np.any(errors[taken] > CLEAR * SAFETY * KNOWN * np.abs(values).max()))
+    allowed = CLEAR * SAFETY * KNOWN * float(np.abs(values).max())
+    if np.any(errors[taken] > allowed):
+        return True
+    pairs = _close(values, errors, problem.is_map)
+    if not pairs:
+        return False
+    beside = problem.linear_part(z + BESIDE * scale * _alternating(len(z)))
+    if not np.all(np.isfinite(beside)):
+        return True
+    limits = np.full(len(values), 0.5 * allowed)
+    return len(_close(spectrum(beside)[0], limits, problem.is_map)) < len(pairs)
 
 
-def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) -> Sequence[str]:
-    """That pairs of eigenvalues stay on the stability boundary along the branch (rows z, in the metric `scale`)."""
-    looked = _places(len(z))
-    fewest = problem.n if looked else 0
-    for row in z[looked]:
+def remarks(problem: DenseInOneParameter, z: Array, seen: Values, scale: Callable[[], Array]) -> Sequence[str]:
+    """That pairs of eigenvalues stay on the stability boundary along the branch, or along a part of it.
+
+    z, seen (rows, k) : rows and their eigenvalues as the march gave them; scale : the metric.
+    """
+    distance = np.abs(np.abs(seen) - 1.0) if problem.is_map else np.abs(seen.real)
+    size = 1.0 if problem.is_map else np.abs(seen)
+    near = np.any((distance <= SUSPECT * size) & (seen.imag > SUSPECT * np.abs(seen)), axis=1)
+    throughout = bool(near[_places(len(z))].all())
+    rows = np.arange(len(z)) if throughout else np.flatnonzero(near)
+    found = []
+    for row in z[rows[_places(len(rows))]]:
         matrix = problem.linear_part(row)
         if not np.all(np.isfinite(matrix)):
             return ()
         values, _ = spectrum(matrix)
-        if not is_suspect(values, problem.is_map):  # what stays on the boundary is a pair whose sum is nearly zero
-            return ()
         exact = paired(values, errors_of(problem, row, values, scale()), problem.is_map)
-        fewest = min(fewest, _on_boundary(exact, problem.is_map, KNOWN))
-    return _words(fewest, problem.is_map)
+        found.append(_on_boundary(exact, problem.is_map, KNOWN))
+    if throughout:
+        return _words(min(found, default=0), problem.is_map)
+    held = [pairs for pairs in found if pairs > 0]  # a labelled row may have a pair there that crosses
+    return _words(min(held), problem.is_map, "a part of the branch") if len(held) >= ENOUGH else ()
 
 
 def remarks_on_orbits(problem: FamilyOfOrbits, z: Array, seen: Values) -> Sequence[str]:
@@ -217,12 +266,12 @@ def _on_boundary(values: Values, is_map: bool, limit: float) -> int:
     return int(np.sum((distance <= limit * size) & (values.imag > np.sqrt(limit) * np.abs(values))))
 
 
-def _words(pairs: int, is_map: bool) -> Sequence[str]:
+def _words(pairs: int, is_map: bool, along: str = "the branch") -> Sequence[str]:
     if not pairs > 0:
         return ()
     where, name = ("on the unit circle", "multipliers") if is_map else ("on the imaginary axis", "eigenvalues")
     many = "a pair of" if pairs == 1 else f"{pairs} pairs of"
     return (
-        f"{many} {name} stay{'s' if pairs == 1 else ''} {where} along the branch, to rounding, as where an energy or "
+        f"{many} {name} stay{'s' if pairs == 1 else ''} {where} along {along}, to rounding, as where an energy or "
         "an area is kept: no bifurcation of theirs is told by a sign, and `stable` says only that none is outside",
     )

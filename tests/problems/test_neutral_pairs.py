@@ -55,7 +55,7 @@ def test_unstable_counts_the_negative_stiffnesses_in_any_coordinates(kind, count
     crossings = int(np.sum(np.abs(np.diff([np.sum(v < 0.0) for v in squares]))))
     assert len(branch.points) == crossings
     stays = all(np.any(values > 1e-3) for values in squares)
-    assert any("stay" in note and "boundary" not in note for note in branch.notes) == stays
+    assert any("stay" in note and "along the branch" in note for note in branch.notes) == stays
     assert not any("without a label" in note for note in branch.notes)
 
 
@@ -113,3 +113,82 @@ def test_a_slow_growth_is_seen_beside_couplings_of_very_unlike_sizes():
     branch = contin.continuation(contin.equilibrium(model, {"x": 0, "y": 0}), "p", (1.0, 1e10))
     assert np.all(branch.columns["unstable"] == 2)
     assert not branch.points
+
+
+def rikitake(a: float, mu: float):
+    """Rikitake's dynamo at its equilibrium x = K, y = 1/K, z = mu K^2, mu (K^2 - 1/K^2) = a.
+
+    Its characteristic polynomial is (l + 2 mu)(l^2 + K^2 + 1/K^2): a centre and a stable direction, for all a and mu.
+    """
+    model = contin.Model(
+        "dynamo", states=dict.fromkeys("xyz", 1.0), parameters={"mu": mu, "a": a},
+        equations={"x": "-mu*x + z*y", "y": "-mu*y + (z - a)*x", "z": "1 - x*y"},
+    )  # fmt: skip
+    k = np.sqrt(0.5 * (a / mu + np.sqrt((a / mu) ** 2 + 4.0)))
+    return contin.equilibrium(model, {"x": k, "y": 1.0 / k, "z": mu * k * k})
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_centre_that_is_one_on_its_branch_alone_is_no_crossing_anywhere(seed):
+    """Beside the equilibrium the pair is off the axis: of a row, the distance to the solution counts as an error."""
+    chance = np.random.default_rng(seed)
+    name = ("a", "mu")[seed % 2]
+    branch = contin.continuation(rikitake(chance.uniform(0.5, 7.5), chance.uniform(0.5, 3.0)), name, (0.1, 8.0))
+    assert not branch.columns["unstable"].any()
+    assert not branch.points
+    assert branch.unexplained == 0
+    assert any("on the imaginary axis along the branch" in note for note in branch.notes)
+
+
+ROUTH = 0.5 * (1.0 - np.sqrt(23.0 / 27.0))
+
+
+def three_bodies() -> contin.Model:
+    """The restricted problem, in the turning frame, near its triangular point (1/2 - m, sqrt(3)/2)."""
+    first, second = "((x + m)^2 + y^2)^1.5", "((x - 1 + m)^2 + y^2)^1.5"
+    return contin.Model(
+        "triangle", states={"x": 0.49, "y": 0.866, "u": 0, "v": 0}, parameters={"m": 0.01},
+        equations={
+            "x": "u", "y": "v", "u": f"2*v + x - (1 - m)*(x + m)/{first} - m*(x - 1 + m)/{second}",
+            "v": f"-2*u + y - (1 - m)*y/{first} - m*y/{second}",
+        },
+    )  # fmt: skip
+
+
+def kicked() -> contin.Model:
+    """Kicks of matrix [[.5, e], [-e, .7]]: angles with 2 - 2 cos w = its eigenvalues, which meet in .6 at e = .1."""
+    return contin.Model(
+        "kicked", kind="map", states=dict.fromkeys("qprs", 0.0), parameters={"e": 0.0},
+        equations={
+            "q": "q + p - 0.5*sin(q) - e*sin(r)", "p": "p - 0.5*sin(q) - e*sin(r)",
+            "r": "r + s - 0.7*sin(r) + e*sin(q)", "s": "s - 0.7*sin(r) + e*sin(q)",
+        },
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "bounds", "place", "where"),
+    [
+        (three_bodies(), "m", (0.01, 0.1), ROUTH, "+-0.707107 i"),  # w^2 = 1/2
+        (kicked(), "e", (0.0, 1.0), 0.1, "exp(+-0.795399 i)"),
+    ],
+)
+def test_two_pairs_that_meet_and_leave_the_boundary_are_told_as_such(model, name, bounds, place, where):
+    branch = contin.continuation(contin.equilibrium(model), name, bounds)
+    assert not branch.points
+    value = branch.columns[name]
+    assert np.array_equal(branch.columns["unstable"], np.where(value < place, 0, 2))
+    note = next(n for n in branch.notes if "Hamiltonian Hopf" in n)
+    assert where in note
+    assert float(note.rsplit(" = ", 1)[1].split(" and ")[0]) == pytest.approx(place, rel=1e-5)
+    assert not any("not verified" in n for n in branch.notes)
+
+
+def test_a_centre_along_a_part_of_a_branch_is_told():
+    """x'' = k - sin(x): a centre where cos(x) > 0, a saddle beyond the fold."""
+    model = contin.Model(
+        "pendulum", states={"x": 0.0, "v": 0.0}, parameters={"k": 0.0}, equations={"x": "v", "v": "k - sin(x)"}
+    )
+    branch = contin.continuation(contin.equilibrium(model, {"x": 0, "v": 0}), "k", (-0.9, 1.5))
+    assert [p.type for p in branch.points] == ["LP"]
+    assert any("stays on the imaginary axis along a part of the branch" in note for note in branch.notes)

@@ -288,9 +288,9 @@ class EquilibriumProblem(AlgebraicEquations):
         return columns | state_columns(self.system, z[:, : self.n], lambda: self.rows_of_parameters(z))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        """What holds all along the branch (rows z)."""
+        """What holds all along the branch (rows z) or a part of it."""
         bounds = float(z[:, -1].min()), float(z[:, -1].max())
-        return neutral_remarks(self, z, lambda: self.initial_scale(z[0], bounds))
+        return neutral_remarks(self, z, eigenvalues, lambda: self.initial_scale(z[0], bounds))
 
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Without the eigenvalues of algebraic equations."""

@@ -17,6 +17,7 @@ from contin.machine import elementary
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.branching.multiple_kernel import reduced_branches
 from contin.problems.equilibria.branching.rotated import turning_kernel
+from contin.problems.equilibria.colliding_pairs import colliding
 from contin.problems.equilibria.defining import Solved
 from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.neutral_pairs import errors_of, is_suspect
@@ -84,7 +85,7 @@ def verify(problem: AlgebraicEquations, type_: str, near: Sample, frame: Frame) 
         return _opposite_zeros(problem, local, y, frame, tangent)
     if pair is None or is_real:
         return Rejected(f"{type_}: the two eigenvalues that cross are real")
-    return _oscillatory(problem, local, y, frame, pair, tangent)
+    return _crossing_pair(problem, local, y, frame, pair, tangent)
 
 
 def _balanced_frame(problem: AlgebraicEquations, sample: Sample, frame: Frame) -> tuple[Frame, Array]:
@@ -134,6 +135,17 @@ def nearest_pair(values: Vector, is_map: bool) -> complex | None:
             if gap < best:
                 best, chosen = gap, (a if a.imag >= 0 else b)
     return None if chosen is None else complex(chosen)
+
+
+def _crossing_pair(
+    problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array,
+    corank: int = 1
+) -> Outcome:  # fmt: skip
+    """A Hopf or Neimark-Sacker point, or why there is none: two pairs may meet on the boundary."""
+    found = _oscillatory(problem, local, y, frame, pair, tangent, corank)
+    if not isinstance(found, Rejected):
+        return found
+    return colliding(spectrum(problem.linear_part(y * frame.scale))[0], pair, problem.is_map) or found
 
 
 def _oscillatory(
@@ -349,7 +361,7 @@ def verify_compound(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fr
         flip = defining.eigenvalue_at(local, y, -2.0)
         found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
     for pair, count in _pairs_on_boundary(*spectrum(problem.linear_part(y * frame.scale)), problem.is_map):
-        found.append(_oscillatory(problem, local, y, frame, pair, tangent, count))
+        found.append(_crossing_pair(problem, local, y, frame, pair, tangent, count))
     return _merge(found, frame)
 
 
