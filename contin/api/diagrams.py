@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.api.fixed_totals import for_branches, varying
 from contin.api.responses import responses_in
-from contin.api.searches import find_equilibria
+from contin.api.searches import find_equilibria, reach_of
 from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, targets_of
 from contin.api.solutions import solution
 from contin.api.starts import equilibrium
@@ -40,6 +40,7 @@ FUNCTION: Final = (
     "only; a cycle's own curves start at its labels (contin.periodic_orbit, point.locus)"
 )
 EVERYWHERE: Final = "all"  # the start of a diagram that stands for all equilibria
+SHOWN: Final = 6  # states whose bounds are told
 
 
 def diagram(
@@ -89,6 +90,7 @@ def diagram(
     if everywhere:
         limits = None if range is None else bounds_of(None, parameter, range)
         reserve = everywhere_in(model, parameter, limits, box, parameters)
+        notes += [] if box is not None else [_default_box(model, parameters)]
     if not seeds and not reserve:
         raise failure or NoSolutionError(f"no {_noun(model)} found in the box; give a larger box")
     first = seeds[0][1] if seeds else reserve[0]
@@ -196,6 +198,14 @@ def everywhere_in(
         found = find_equilibria(model, box, {**(parameters or {}), parameter: value})
         seeds += [as_seed(one, parameter) for one in found if one.isolated]
     return seeds
+
+
+def _default_box(model: Any, parameters: Record | None) -> str:
+    """Where 'all' was looked for when nobody said where."""
+    within = [f"{name} within {high:g}" for name, (_, high) in reach_of(model, parameters).items()]
+    shown = ", ".join(within[:SHOWN]) + (", ..." if len(within) > SHOWN else "")
+    where = f"with {shown} of 0 (twice as far as starts and `scale` say)" if within else "at all angles"
+    return f"start 'all': looked for {where}; a `box` says where else to look"
 
 
 def _noun(model: Model) -> str:

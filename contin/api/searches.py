@@ -30,7 +30,7 @@ def find_equilibria(
     """Equilibria (fixed points of a map) in a box of states, by deflated Newton from many starts in compiled code.
 
     box : {state: (lo, hi)}, or (lo, hi) for all states; angles need no bounds. Default: twice as far in both directions
-        as the model's states and starts reach.
+        as the model's states and starts reach, and each state's `scale`.
     starts : number of starting points a round; default so many that a search takes some tenths of a second.
     Solutions are told apart modulo angle periods; those that a declared symmetry makes of another one have `image_of`.
     There is no guarantee that all are found: more `starts` or a smaller box find more.
@@ -47,7 +47,7 @@ def find_equilibria(
 
 
 def reach_of(model: Any, parameters: Record | None = None) -> dict[str, tuple[float, float]]:
-    """Twice the largest size of each state in the model's default and named starts, in both directions.
+    """Twice the largest size of each state in the model's default and named starts and its `scale`, both ways from 0.
 
     Of those that are 0 in all of them, the natural sizes, if these are far from the largest size of the others (from 1,
     where all are 0).
@@ -57,6 +57,8 @@ def reach_of(model: Any, parameters: Record | None = None) -> dict[str, tuple[fl
     names = (None, *(s.name for s in model.starts))
     points = [model.start_point(name, dict(parameters or {}))[0] for name in names]
     largest = np.abs(np.array(points)).max(axis=0)
+    if isinstance(model, Model):
+        largest = np.maximum(largest, model.scales(dict(parameters or {})))
     usual = np.full(len(largest), max(float(largest.max(initial=0.0)), USUAL))
     if not largest.all():  # only the equations tell; sizes that a search of the usual box would see need no other
         flow = model.replace(events=()) if isinstance(model, Model) else model

@@ -160,3 +160,18 @@ def test_states_of_any_size_are_found_where_the_model_says_nothing_about_them(si
     )
     found = sorted(float(e.u[0]) / size for e in contin.find_equilibria(model))
     np.testing.assert_allclose(found, [-1.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_a_declared_size_widens_the_box_and_a_diagram_says_where_it_looked():
+    """x' = x (1 - x/K) with K = 1000 a: the second equilibrium is 1e6 times as far as the start."""
+    equations = {"x": "x*(1 - x/(1000*a))"}
+    for scale, count in ((None, 1), ("400*a", 1), ("600*a", 2)):
+        state = 1e-3 if scale is None else {"value": 1e-3, "scale": scale}
+        model = contin.Model("logistic", states={"x": state}, parameters={"a": 1.0}, equations=equations)
+        diagram = contin.diagram(model, "a", (0.5, 2.0), start="all")
+        assert len(diagram.branches) == count
+        (note,) = (n for n in diagram.notes if "looked for" in n)
+        reach = "0.002" if scale is None else f"{2.0 * float(scale[:3]):g}"
+        assert f"x within {reach} of 0" in note
+    diagram = contin.diagram(model, "a", (0.5, 2.0), start="all", box={"x": (-1, 3000)})
+    assert not any("looked for" in n for n in diagram.notes)
