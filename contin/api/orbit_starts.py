@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.api.fixed_totals import for_branches, is_auto, named_start, named_table
+from contin.api.frames import frame_for, samples_in_frame
 from contin.api.machine_code import compiled, for_orbits
 from contin.api.requirements import need_parameters
 from contin.errors import InputError, NoSolutionError, NotFiniteError
@@ -22,7 +23,7 @@ from contin.search.large_orbit_from_samples import LargeOrbit, large_orbit_from_
 from contin.search.orbit_from_samples import orbit_from_samples
 from contin.search.shot_orbit import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.simulate.consistent import consistent_start
-from contin.symbolic.passes.corotating import frame_for, of_orbits
+from contin.symbolic.passes.corotating import of_orbits
 from contin.systems.functions.function_problem import DENSE_IN_KERNELS, FunctionProblem
 
 
@@ -120,13 +121,12 @@ def _through_samples(
 ) -> PeriodicOrbit | ShotOrbit | LargeOrbit:  # fmt: skip
     """The orbit through states (K, n) over one period."""
     if period is None and times is None:
-        raise InputError(
-            "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
-        )
+        raise InputError("an array of states over one period needs its period: periodic_orbit(model, u, period=...)")
     t = np.linspace(0.0, period or 0.0, len(start)) if times is None else np.asarray(times, dtype=float)
     if t.shape != (len(start),):
         raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
     _, p = model.start_point(None, dict(parameters or {}))
+    model, start = samples_in_frame(model, start, p)
     periods = np.asarray(model.periods(), dtype=float)
     if isinstance(model, FunctionProblem) and model.n > DENSE_IN_KERNELS and model.method == "sparse":
         return large_orbit_from_samples(compiled(model), t, start, p, method, intervals)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contin.api.fixed_totals import for_branches, is_auto, named_start
+from contin.api.frames import frame_for
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
@@ -16,7 +17,6 @@ from contin.problems.sparse.from_model import sparse_function
 from contin.records import Record
 from contin.search.equilibrium_from_guess import converge
 from contin.search.large_equilibrium import converge_large
-from contin.symbolic.passes.corotating import frame_for
 from contin.systems.functions.function_problem import FunctionProblem
 from contin.systems.iterate import iterate
 
@@ -40,7 +40,8 @@ def equilibrium(
     period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
 
     In a model that declares a rotation, a start that it moves leads to a rotating wave (relative equilibrium);
-    it is solved, and continued, in the frame that turns with it (`contin.symbolic.passes.corotating`).
+    it is solved, and continued, in the frame that turns with it (`contin.symbolic.passes.corotating`; of functions,
+    `contin.systems.functions.turning_frame`).
 
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """

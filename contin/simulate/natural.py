@@ -148,7 +148,7 @@ def sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
 
 def _sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
     if not isinstance(model, Model):  # a Python function
-        return np.zeros(model.n), np.where(model.u0 != 0.0, np.abs(model.u0), model.typical)
+        return model.declared_sizes, np.where(model.u0 != 0.0, np.abs(model.u0), model.typical)
     values = dict(zip(model.parameter_names, p, strict=True))
     periods = model.periods(values) / (2.0 * np.pi)
     declared = np.where(periods > 0.0, periods, model.scales(values))

@@ -22,6 +22,7 @@ from contin.problems.scales import parameter_width
 from contin.simulate.reach import first_to_leave, has_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.corotating import frame_generator
+from contin.systems.functions.turning_frame import FunctionInFrame
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -106,7 +107,10 @@ class FamilyOfOrbits(InOneParameterProblem):
     @cached_property
     def turning(self) -> Array | None:
         """Matrix (n, n) of the rotation that the model's frame follows; None where it is in none."""
-        return frame_generator(self.system.model, self.constants())
+        model = self.system.model
+        if isinstance(model, FunctionInFrame):
+            return model.generator_matrix
+        return frame_generator(model, self.constants())
 
     def width(self, z: Array, bounds: tuple[float, float]) -> float:
         """Scale of the parameter: the width of its range; of an endless one, its size."""

@@ -18,6 +18,7 @@ from contin.records import Record
 from contin.systems.functions.foreign_arrays import Elsewhere
 from contin.systems.functions.guarded import called, numbers
 from contin.systems.functions.names import check_name, check_names
+from contin.systems.functions.rotation import Rotation
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -74,6 +75,7 @@ class GivenFunction:
         periods: Values | None = None,
         ranges: Mapping[str, tuple[float, float]] | None = None,
         symmetries: Mapping[str, Callable[[Array], ArrayLike]] | None = None,
+        rotation: object = None,
         sparsity: object = None,
         preconditioner: Callable[[Array, Any], Callable[[Array], ArrayLike]] | None = None,
         typical: ArrayLike = 1.0,
@@ -108,16 +110,25 @@ class GivenFunction:
         self.parameter_jacobian, self.derivative, self.record = parameter_jacobian, derivative, record
         self.ranges = dict(ranges or {})
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
+        self.rotation = self._rotation(rotation, periods)
         self.sparsity, self.preconditioner = sparsity, preconditioner
         if arrays is not None:
             self._computes_elsewhere(Elsewhere.of(arrays))
         self.typical = np.broadcast_to(np.asarray(typical, dtype=float), (self.n,))
+        self.declared_sizes = np.zeros(self.n)  # of states about which their values say nothing; 0: they do
         self.name, self.title, self.source = name, title, source
         self.written, self.explain = written, explain
         self._expect = tuple(expect)
         self._periods = np.zeros(self.n)
         for key, value in (periods or {}).items():
             self._periods[self._state(key)] = value
+
+    def _rotation(self, given: object, periods: Values | None) -> Rotation | None:
+        if given is None:
+            return None
+        if self.kind == "map" or periods:
+            raise InputError("rotation: of a flow whose states are no angles (periods); maps and angles have none here")
+        return Rotation.of(given, self.n)
 
     def _computes_elsewhere(self, other: Elsewhere) -> None:
         self.residual = other.function(self.residual)
