@@ -107,10 +107,10 @@ class FamilyOfOrbits(InOneParameterProblem):
     @cached_property
     def turning(self) -> Array | None:
         """Matrix (n, n) of the rotation that the model's frame follows; None where it is in none."""
-        model = self.system.model
+        model: object = self.system.model
         if isinstance(model, FunctionInFrame):
             return model.generator_matrix
-        return frame_generator(model, self.constants())
+        return frame_generator(self.system.model, self.constants())
 
     def width(self, z: Array, bounds: tuple[float, float]) -> float:
         """Scale of the parameter: the width of its range; of an endless one, its size."""

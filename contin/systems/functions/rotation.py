@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.errors import InputError
@@ -32,7 +33,7 @@ class Mode:
     b: Array
     rate: float
 
-    def value(self, u: Array) -> Array:
+    def value(self, u: Array) -> NDArray[np.complex128]:
         """z of states (..., n)."""
         return np.asarray(u @ self.a + 1j * (u @ self.b))
 

@@ -91,7 +91,8 @@ class FunctionInFrame(FunctionProblem):
                 "the mode of the rotation that the frame turns with is 0 here: start again from a state beyond it, or "
                 "choose another mode, rotation=(G, wave)"
             )
-        return self._own.explain(u, p)
+        text: str | None = self._own.explain(u, p)
+        return text
 
     def _residual(self, u: Vector, values: Mapping[str, Any]) -> Vector:
         f = np.asarray(self.still.residual(u, values))
@@ -147,7 +148,8 @@ class FunctionInFrame(FunctionProblem):
         for part in _parts(whole):
             chosen = [directions[i] for i in sorted(part)]
             forms[part] = system_slope(chosen[0]) if len(chosen) == 1 else np.asarray(given(u, values, *chosen))
-        below, rates = self.mode.rate * (self.mode.a @ u), {}
+        below = self.mode.rate * (self.mode.a @ u)
+        rates: dict[frozenset[int], Any] = {}
         for part in [frozenset(), *_parts(whole)]:
             above = self.mode.b @ forms[part]
             if len(part) == 0:
