@@ -119,9 +119,14 @@ class GivenFunction:
         self.name, self.title, self.source = name, title, source
         self.written, self.explain = written, explain
         self._expect = tuple(expect)
-        self._periods = np.zeros(self.n)
-        for key, value in (periods or {}).items():
-            self._periods[self._state(key)] = value
+        self._periods = self._periods_of(periods or {})
+
+    def _periods_of(self, periods: Values) -> Array:
+        """Periods (n,) of states, 0 of those that are no angles."""
+        found = np.zeros(self.n)
+        for key, value in periods.items():
+            found[self._state(key)] = value
+        return found
 
     def _rotation(self, given: object, periods: Values | None) -> Rotation | None:
         if given is None:
