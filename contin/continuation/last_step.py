@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.location.back_at_start import back_at_start
-from contin.continuation.location.bounds import at_wall, walls_passed
+from contin.continuation.location.bounds import at_wall, just_beyond, on_bound_itself, walls_passed
 from contin.continuation.location.dips import dips, resolve_dip
 from contin.continuation.location.found import Found, Note, anchored
 from contin.continuation.location.halting import Halt, halt, halves, mirror
@@ -139,6 +139,7 @@ class _LastStep:
     hiding: int = 0  # see `Note.hides`
     again: int = 1  # steps to be repeated, where what happened is not explained
     halt: Found | None = None  # the labelled point that the arm ends at
+    reach: Sample | None = None  # where the arm ends at a bound, and a point may lie on that: one behind it
 
     def __post_init__(self) -> None:
         self.problem, self.scale = self.course.problem, self.stretch.frame.scale
@@ -152,6 +153,8 @@ class _LastStep:
         stop = self.chunk.stop
         if stop is Stop.BOUND:
             self._end_at_bound(self.last)
+            reach = just_beyond(self.stretch, self.last, self.marched)
+            self.reach = None if reach is self.last else reach
         if self.loop is not None and self.end is None and stop not in (Stop.LIMIT, Stop.RESCALE):
             closing = back_at_start(self.stretch, self.last, self.loop)
             if closing is not None:
@@ -167,8 +170,8 @@ class _LastStep:
                 self.notes.append(item.text)
                 self.jumps += [] if item.jump is None else [item.jump]
                 self.hiding += item.hides
-            elif not self._is_labelled(item.point):
-                self.found.append(item)
+            else:
+                self._take(item)
         self.found = sorted((_anchored(f, self.chunk, self.scale) for f in self.found), key=lambda f: f.length)
         return True
 
@@ -177,7 +180,7 @@ class _LastStep:
         stretch, stop = self.stretch, self.chunk.stop
         known = [*self.course.known]
         if stop is not Stop.LIMIT:
-            events = list(isolate(stretch, stretch.base, self.last))
+            events = list(isolate(stretch, stretch.base, self.last if self.reach is None else self.reach))
             yield from ((event, 1) for event in events)
             known += [event.point for event in events if isinstance(event, Found)]
             first = next((e for e in events if isinstance(e, Found)), None)
@@ -194,6 +197,14 @@ class _LastStep:
                     place = item.at if isinstance(item, Note) else None
                     if place is None or not self._is_next_to(known, place):  # a test that only touches zero at an event
                         yield item, 1
+
+    def _take(self, item: Found) -> None:
+        """A point that is found for the first time; of those behind the bound, what its error may have put there."""
+        point: Verified | None = item.point
+        if self.reach is not None and point is not None:
+            point = on_bound_itself(self.problem, point, self.course.bounds)
+        if point is not None and not self._is_labelled(point):
+            self.found.append(item if point is item.point else replace(item, point=point))
 
     def _is_labelled(self, point: Verified) -> bool:
         here = any(same_point(self.problem, point, f.point, self.scale) for f in self.found)

@@ -23,12 +23,14 @@ import numpy as np
 
 from contin.abi import Array
 from contin.homoclinic.connection_layout import ConnectionLayout
-from contin.homoclinic.projections import linearised_projections
+from contin.homoclinic.projections import linearised_projections, projections
 from contin.homoclinic.subspaces import left_subspace
 from contin.kernels.collocation_basis import basis
+from contin.linalg.csc import with_columns, with_rows
 from contin.machine import elementary
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.ends.saddle_node import borders
+from contin.problems.orbits.linearised.pattern import block_places
 from contin.problems.orbits.mesh.layout import Profile
 
 
@@ -55,90 +57,118 @@ class ConnectionCurve(ConnectionLayout):
         from scipy import sparse
 
         n, m = self.n, self.orbits.points
-        profile, ends = self.profile(z), self.equilibria(z)
+        profile = self.profile(z)
         count, nu, period = profile.intervals, profile.u.size, profile.period
-        units = np.append(scale[: nu + self.saddles * n], scale[-2:])
-        f, fu, slopes = self._at_gauss(profile, z)
+        units = self._units(z, scale)
+        states, p = self._gauss_states(profile, z)
+        f, whole = self.orbits.system.jacobians(states, p)
+        fu = whole[:, :, :n].reshape(count, m, n, n)
+        slopes = self._by_parameters(whole).reshape(count, m, n, 2)
         scheme = basis(m)
         nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
         h = profile.h
-        rates = np.einsum("cj,ijk->ick", scheme.slopes, profile.u[nodes])
-        defect = (rates - (h * period)[:, None, None] * f) / sizes
         blocks = -np.einsum("i,cj,ickq->ickjq", h * period, scheme.values, fu)
         blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
         blocks *= (sizes / sizes[:, None])[None, None, :, None, :]
         widths = scale[:nu].reshape(-1, n)[nodes] / sizes  # (N, m + 1, n): metric beside the sizes
         blocks *= widths[:, None, None, :, :]
-        i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
-        total = nu + self.saddles * n + 2
-        top = sparse.coo_matrix(
-            (blocks.ravel(), ((i * m * n + r).ravel(), (i * m * n + c).ravel())), shape=(count * m * n, total)
-        )
+        places = block_places(n, m, count)
+        top = sparse.csc_matrix((blocks.ravel()[places.order], places.indices, places.starts), shape=places.shape)
         by_parameters = -(h * period)[:, None, None, None] * slopes / sizes[:, None]  # (N, m, n, 2): q, p
-        columns = sparse.csr_matrix(by_parameters.reshape(-1, 2) * units[-2:])
-        top = top.tocsr() + sparse.hstack([sparse.csr_matrix((count * m * n, total - 2)), columns]).tocsr()
-        rest, dense = self._rest(z, profile, ends, sizes, units)
-        jacobian = sparse.vstack([top, sparse.csr_matrix(dense)], format="csc")
+        beside = np.hstack([np.zeros((nu - n, self.saddles * n)), by_parameters.reshape(-1, 2) * units[-2:]])
+        rest, below = self._rest(z, sizes, units)
         if len(self.slots) < 2:
-            jacobian = jacobian[:, [*range(total - 2), *(total + slot for slot in self.slots)]]
-        return np.concatenate([defect.ravel(), rest]), jacobian
+            kept = [*range(len(units) - 2), *(len(units) + slot for slot in self.slots)]
+            beside, below = beside[:, [k - nu for k in kept if k >= nu]], below[:, kept]
+        jacobian = with_rows(with_columns(top, beside), below)
+        return np.concatenate([self._defect(profile, f, sizes), rest]), jacobian
 
-    def _at_gauss(self, profile: Profile, z: Array) -> tuple[Array, Array, Array]:
-        """f (N, m, n), f_u (N, m, n, n) and by (q, p) (N, m, n, 2) at the Gauss points."""
-        n, m, count = self.n, profile.m, profile.intervals
+    def residual(self, z: Array, scale: Array, sizes: Array) -> Array:
+        """The equations alone, scaled as by `linearise`."""
+        profile, units = self.profile(z), self._units(z, scale)
+        f = self.orbits.system.values(*self._gauss_states(profile, z))
+        values = [self._defect(profile, f, sizes), *(self._at_saddles(z, units)[0]), projections(self, z, sizes)]
+        if self.reversor is None:
+            values.append(self._in_phase(z, sizes, units)[0])
+        return np.concatenate(values)
+
+    def _units(self, z: Array, scale: Array) -> Array:
+        """The metric of (u, saddles, q, p)."""
+        return np.append(scale[: self.nodes(z) + self.saddles * self.n], scale[-2:])
+
+    def _defect(self, profile: Profile, f: Array, sizes: Array) -> Array:
+        """What is left of u' = T f; f : (N m, n) at the Gauss points."""
+        m, count = profile.m, profile.intervals
         nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
-        states = np.einsum("cj,ijk->ick", basis(m).values, profile.u[nodes]).reshape(-1, n)
-        p = self.full_parameters(z)
-        system = self.orbits.system
-        f, whole = system.jacobians(np.ascontiguousarray(states), np.tile(p, (len(states), 1)))
-        jacobian = whole[:, :, [*range(n), n + self.second, n + self.first]]
-        if self.aim is not None:
-            jacobian[:, :, n] = 0.0
-        shape = (count, m, n)
-        return f.reshape(shape), jacobian[:, :, :n].reshape(*shape, n), jacobian[:, :, n:].reshape(*shape, 2)
+        rates = np.einsum("cj,ijk->ick", basis(m).slopes, profile.u[nodes])
+        step = (profile.h * profile.period)[:, None, None]
+        return np.asarray((rates - step * f.reshape(rates.shape)) / sizes).ravel()
 
-    def _rest(self, z: Array, profile: Profile, ends: Array, sizes: Array, units: Array) -> tuple[Array, Array]:
+    def _gauss_states(self, profile: Profile, z: Array) -> tuple[Array, Array]:
+        """States (N m, n) and parameters (N m, k) at the Gauss points."""
+        m, count = profile.m, profile.intervals
+        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
+        states = np.einsum("cj,ijk->ick", basis(m).values, profile.u[nodes]).reshape(-1, self.n)
+        return np.ascontiguousarray(states), np.tile(self.full_parameters(z), (len(states), 1))
+
+    def _by_parameters(self, jacobian: Array) -> Array:
+        """Of derivatives (..., n, n + k) those by q and p; along a homotopy its parameter is not in f."""
+        found = jacobian[..., [self.n + self.second, self.n + self.first]]
+        if self.aim is not None:
+            found[..., 0] = 0.0
+        return np.asarray(found)
+
+    def _rest(self, z: Array, sizes: Array, units: Array) -> tuple[Array, Array]:
         """Equilibria, projections and phase, with their dense rows."""
-        n, nu = self.n, profile.u.size
-        total = len(units)
-        p = self.full_parameters(z)
-        values, rows = [], []
-        for k, u in enumerate(ends):
-            f, whole = self.orbits.system.jacobian(u, p)
-            row = np.zeros((n, total))
-            row[:, nu + k * n : nu + (k + 1) * n] = whole[:, :n]
-            row[:, -2:] = whole[:, [n + self.second, n + self.first]]
-            if self.aim is not None:
-                row[:, -2] = 0.0
-            size = np.maximum(np.abs(row * units).max(axis=1), 1e-300)
-            values.append(f / size)
-            rows.append(row * units / size[:, None])
+        n, nu = self.n, self.nodes(z)
+        values, rows = self._at_saddles(z, units)
         found = linearised_projections(self, z, sizes, units[-2:])
-        row = np.zeros((len(found.values), total))
+        row = np.zeros((len(found.values), len(units)))
         row[:, :n], row[:, nu - n : nu] = found.by_first, found.by_last
         row[:, nu : nu + self.saddles * n], row[:, -2:] = found.by_saddles, found.by_parameters
         values.append(found.values)
         rows.append(row * units)
-        if self.reversor is not None:  # no phase: the half is isolated on the unstable manifold
-            return np.concatenate(values), np.vstack(rows)
-        phase = self._phase(z, sizes)
-        gap = float(phase @ (z[:nu] - self.gauge.reference[:nu]))  # type: ignore[index]
-        row = np.zeros((1, total))
-        row[0, :nu] = phase * units[:nu]
-        size = float(np.linalg.norm(row))
-        values.append(np.array([gap / size]))
-        rows.append(row / size)
+        if self.reversor is None:  # else no phase: the half is isolated on the unstable manifold
+            gap, row = self._in_phase(z, sizes, units)
+            values.append(gap)
+            rows.append(row)
         return np.concatenate(values), np.vstack(rows)
 
-    def _phase(self, z: Array, sizes: Array) -> Array:
+    def _at_saddles(self, z: Array, units: Array) -> tuple[list[Array], list[Array]]:
+        """f at the saddles with its rows, of length about 1."""
+        n, nu = self.n, self.nodes(z)
+        p = self.full_parameters(z)
+        values, rows = [], []
+        for k, u in enumerate(self.equilibria(z)):
+            f, whole = self.orbits.system.jacobian(u, p)
+            row = np.zeros((n, len(units)))
+            row[:, nu + k * n : nu + (k + 1) * n], row[:, -2:] = whole[:, :n], self._by_parameters(whole)
+            size = np.maximum(np.abs(row * units).max(axis=1), 1e-300)
+            values.append(f / size)
+            rows.append(row * units / size[:, None])
+        return values, rows
+
+    def _in_phase(self, z: Array, sizes: Array, units: Array) -> tuple[Array, Array]:
+        """The phase condition (1,) with its row, of length 1."""
+        nu = self.nodes(z)
+        assert self.gauge.reference is not None
+        phase = self._phase(sizes)
+        row = np.zeros((1, len(units)))
+        row[0, :nu] = phase * units[:nu]
+        size = float(np.linalg.norm(row))
+        return np.array([float(phase @ (z[:nu] - self.gauge.reference[:nu])) / size]), row / size
+
+    def _phase(self, sizes: Array) -> Array:
         """Weights of the phase condition at the nodes, (nu,)."""
         assert self.gauge.reference is not None
         old = self.profile(self.gauge.reference)
         scheme, m = basis(old.m), old.m
         nodes = np.arange(old.intervals)[:, None] * m + np.arange(m + 1)
-        local = np.einsum("c,cj,cq,iqk->ijk", scheme.gauss_weights, scheme.values, scheme.slopes, old.u[nodes])
+        along = np.einsum("c,cj,cq->jq", scheme.gauss_weights, scheme.values, scheme.slopes)
+        local = np.einsum("jq,iqk->ijk", along, old.u[nodes]) / elementary.square(sizes)
         row = np.zeros_like(old.u)
-        np.add.at(row, nodes, local / elementary.square(sizes))
+        row[nodes[:, :-1]] = local[:, :-1]
+        row[nodes[:, -1]] += local[:, -1]
         return row.ravel()
 
     def at(self, z: Array) -> OrbitProblem:

@@ -41,9 +41,14 @@ class Projections:
 def projections(curve: ConnectionLayout, z: Array, sizes: Array) -> Array:
     """The conditions alone, (k,)."""
     ends = curve.equilibria(z)
-    start, _ = curve.offsets(z, sizes)
     stable = basis_at(curve, ends[0], z, sizes, True)
-    arriving = arriving_parts(curve, z, sizes)
+    return _conditions(curve, z, sizes, stable, arriving_parts(curve, z, sizes))
+
+
+def _conditions(curve: ConnectionLayout, z: Array, sizes: Array, stable: Array, arriving: Array) -> Array:
+    """From the basis L_s and what vanishes at the orbit's end."""
+    ends = curve.equilibria(z)
+    start, _ = curve.offsets(z, sizes)
     if curve.aim is not None:
         arriving = arriving - z[-2] * curve.aim
     conditions = [stable.T @ start, arriving]
@@ -57,8 +62,12 @@ def arriving_parts(curve: ConnectionLayout, z: Array, sizes: Array) -> Array:
     """What vanishes at the orbit's end: its unstable parts, or the distance from the fixed space of a reversor."""
     if curve.reversor is not None:
         return curve.reversor.missed(z[: curve.nodes(z)][-curve.n :], sizes)
+    return _unstable_parts(curve, z, sizes, basis_at(curve, curve.equilibria(z)[-1], z, sizes, False))
+
+
+def _unstable_parts(curve: ConnectionLayout, z: Array, sizes: Array, unstable: Array) -> Array:
     _, finish = curve.offsets(z, sizes)
-    return np.asarray(basis_at(curve, curve.equilibria(z)[-1], z, sizes, False).T @ finish)
+    return np.asarray(unstable.T @ finish)
 
 
 def linearised_projections(curve: ConnectionLayout, z: Array, sizes: Array, units: Array) -> Projections:
@@ -66,7 +75,12 @@ def linearised_projections(curve: ConnectionLayout, z: Array, sizes: Array, unit
     n, ends = curve.n, curve.equilibria(z)
     start, finish = curve.offsets(z, sizes)
     stable = basis_at(curve, ends[0], z, sizes, True)
-    values = projections(curve, z, sizes)
+    if curve.reversor is None:
+        unstable = basis_at(curve, ends[-1], z, sizes, False)
+        end_parts = _unstable_parts(curve, z, sizes, unstable)
+    else:
+        unstable, end_parts = np.zeros((n, 0)), arriving_parts(curve, z, sizes)
+    values = _conditions(curve, z, sizes, stable, end_parts)
     leaving = slice(0, curve.stable_count)
     arriving = slice(curve.stable_count, curve.stable_count + curve.unstable_count)
     by_first, by_last = np.zeros((len(values), n)), np.zeros((len(values), n))
@@ -78,7 +92,6 @@ def linearised_projections(curve: ConnectionLayout, z: Array, sizes: Array, unit
     if curve.reversor is not None:
         by_last[arriving] = curve.reversor.rows / curve.reversor.lengths(sizes)[:, None]
     else:
-        unstable = basis_at(curve, ends[-1], z, sizes, False)
         by_last[arriving] = unstable.T / sizes
         by_saddles[arriving, -n:] -= by_last[arriving]
         turning_ends.append((arriving, unstable, curve.gauge.unstable, finish, -1))
@@ -117,18 +130,20 @@ def turned(matrix: Array, basis: Array, reference: Array | None, changes: Array)
 def _changes(curve: ConnectionLayout, u: Array, z: Array, sizes: Array, units: Array) -> Array:
     """Derivatives (n + 2, n, n) of the scaled matrix by the state, the second and the first parameter."""
     n = curve.n
-    found = np.empty((n + 2, n, n))
+    steps = STEP * np.concatenate([sizes, np.abs(units)])
+    states, parameters = np.tile(u, (2 * (n + 2), 1)), []
     for k in range(n):
-        step = np.zeros(n)
-        step[k] = STEP * float(sizes[k])
-        ahead, behind = curve.scaled_matrix(u + step, z, sizes), curve.scaled_matrix(u - step, z, sizes)
-        found[k] = (ahead - behind) / (2.0 * step[k])
-    for k in (-2, -1):
-        step = np.zeros(z.size)
-        step[k] = STEP * float(units[k])
-        ahead, behind = curve.scaled_matrix(u, z + step, sizes), curve.scaled_matrix(u, z - step, sizes)
-        found[k] = (ahead - behind) / (2.0 * step[k])
-    return found
+        states[2 * k : 2 * k + 2, k] += steps[k], -steps[k]
+    here = curve.full_parameters(z)
+    for slot, step in zip((-2, -1), steps[n:], strict=True):
+        for signed in (step, -step):
+            moved = z.copy()
+            moved[slot] += signed
+            parameters.append(curve.full_parameters(moved))
+    rows = np.vstack([np.tile(here, (2 * n, 1)), *parameters])
+    _, whole = curve.orbits.system.jacobians(states, rows)
+    scaled = whole[:, :, :n] * sizes / sizes[:, None]
+    return np.asarray((scaled[0::2] - scaled[1::2]) / (2.0 * steps)[:, None, None])
 
 
 def _fold(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation import march as python_march
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Outcome, Problem, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
@@ -78,6 +79,19 @@ class ConnectionProblem(CurveOfConnections):
         self._last["now"] = (z, jacobian, sizes)
         return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
 
+    def again_in(self, scale: Array) -> python_march.Again:
+        def again(here: python_march.Linearisation, z: Array) -> Factorised | None:
+            assert isinstance(here, Factorised)
+            if surface_met(self.curve, z) is not None:
+                return None
+            try:
+                equations = self.curve.residual(z, scale, self.sizes(z, scale))
+            except (np.linalg.LinAlgError, ValueError):  # a new matrix is tried, and says what is wrong
+                return None
+            return replace(here, equations=equations) if np.all(np.isfinite(equations)) else None
+
+        return again
+
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Tests from index 2 on, dimension of the saddle's unstable manifold, eigenvalues of the saddle."""
         _, jacobian, sizes = self._last["now"]
@@ -110,7 +124,7 @@ class ConnectionProblem(CurveOfConnections):
         inside = nu - n
         rows = np.append(np.arange(inside), inside + self.curve.saddles * n + np.arange(n))
         try:
-            _, _, left = Bordered.of(jacobian.tocsr()[rows][:, :nu].tocsc(), 1).solve()
+            _, _, left = Bordered.of(jacobian[:, :nu][rows], 1, once=True).solve()
         except np.linalg.LinAlgError:  # the tests that need it are NaN, which `remarks` tells
             return None
         values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]

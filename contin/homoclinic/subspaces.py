@@ -15,7 +15,7 @@ def left_subspace(matrix: Array, count: int, stable: bool, reference: Array | No
 
     Orthonormal; with a reference R (n, count) scaled to R^T L = 1, so that it varies smoothly with the matrix.
     """
-    from scipy.linalg import schur
+    from scipy.linalg.lapack import zgees
 
     if count == 0:
         return np.zeros((len(matrix), 0))
@@ -24,8 +24,8 @@ def left_subspace(matrix: Array, count: int, stable: bool, reference: Array | No
         values = -values[::-1]
     limit = np.inf if count == len(values) else 0.5 * (values[count - 1] + values[count])
     sign = 1.0 if stable else -1.0
-    _, vectors, found = schur(matrix.T.astype(complex), output="complex", sort=lambda x: sign * x.real < limit)
-    if found != count:
+    _, found, _, vectors, _, info = zgees(lambda x: sign * x.real < limit, matrix.T.astype(complex), sort_t=1)
+    if found != count or info:
         raise np.linalg.LinAlgError("the eigenvalues of the saddle do not separate")
     basis = _real_basis(vectors[:, :count])
     return basis if reference is None else np.asarray(np.linalg.solve((reference.T @ basis).T, basis.T).T)

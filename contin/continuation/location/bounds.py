@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
-from contin.continuation.problem import Problem, Sample, is_planar
+from contin.continuation.problem import Problem, Sample, Verified, is_planar
+
+SMALL: Final = 1e-3  # part of a step within which a test vanishes that is looked at on the other side of a bound
+ROUNDED: Final = 1e-14  # of the bound, or of the range
 
 
 def walls_passed(problem: Problem, z: Array, bounds: tuple[float, float]) -> list[tuple[int, float, str]]:
@@ -31,6 +35,33 @@ def at_wall(stretch: Stretch, beyond: Sample, bounds: tuple[float, float]) -> tu
         reached.append((stretch.length_of(sample), sample, value, name))
     _, sample, value, name = min(reached, key=lambda item: item[0])
     return sample, End("bound", f"{name} reached {value:.10g}", {"value": value})
+
+
+def just_beyond(stretch: Stretch, on_bound: Sample, beyond: Sample) -> Sample:
+    """A point of the stretch behind a bound, where a test that vanishes on the bound has its other sign.
+
+    `on_bound` itself where no test is small there; `beyond` is farther out.
+    """
+    here, start = on_bound.tests, stretch.base.tests
+    with np.errstate(invalid="ignore"):
+        small = np.abs(here) <= SMALL * np.abs(here - start)
+    if here.shape != start.shape or not small.any():
+        return on_bound
+    wanted, there = SMALL * stretch.distance(stretch.base, on_bound), stretch.distance(on_bound, beyond)
+    if there <= wanted:
+        return beyond
+    return stretch.between(on_bound, beyond, wanted / there) or on_bound
+
+
+def on_bound_itself(problem: Problem, point: Verified, bounds: tuple[float, float]) -> Verified | None:
+    """A point that its error, or rounding, may have put beyond a bound: on the bound. None where it lies beyond it."""
+    z, moved = point.z.copy(), 0.0
+    for index, value, _ in walls_passed(problem, point.z, bounds):
+        off = abs(float(z[index]) - value)
+        if off > max(point.error, ROUNDED * max(abs(value), abs(bounds[1] - bounds[0]))):
+            return None
+        z[index], moved = value, max(moved, off)
+    return replace(point, z=z, error=max(point.error, moved)) if moved else point
 
 
 def _at_value(stretch: Stretch, a: Sample, b: Sample, value: float, index: int) -> Sample:

@@ -36,6 +36,10 @@ class MarchedInPython(OrbitCurveProblem):
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Tests from index 2 on, the number of unstable eigenvalues or multipliers, and all of these."""
 
+    def again_in(self, scale: Array) -> python_march.Again | None:
+        """How the factors of one point serve at another, see `contin.continuation.march.correct`; None: not at all."""
+        return None
+
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent: the null vector of its equations."""
         self.settle(z, scale)
@@ -55,7 +59,7 @@ class MarchedInPython(OrbitCurveProblem):
         limit = min(limit, self.maximum_chunk)
         planar = self if is_planar(self) else replace(self, first_bounds=bounds)  # then there is no `within`
         return python_march.march(
-            self, origin, before, length, frame, step, limit, bounds, settings, None, planar=planar
+            self, origin, before, length, frame, step, limit, bounds, settings, None, self.again_in(frame.scale), planar
         )
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -48,6 +48,38 @@ def _is_narrow(matrix: csc_matrix) -> bool:
     return bool(np.count_nonzero(above <= NARROW) >= 0.5 * len(above)) and bool(matrix.has_sorted_indices)
 
 
+class Solves(Protocol):
+    """Factors, as SuperLU's: `trans` is "N" or "H"."""
+
+    def solve(self, rhs: Vector, trans: str = "N") -> Vector: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """M1 = M0 + P Q^* by Woodbury's formula, M0 = [B b; c^* 0], P = [db 0; 0 1], Q^* = [0 1; dc^* 0]; real."""
+
+    inner: Solves
+    p: Vector
+    q: Vector
+    z: Vector  # M0^-1 P
+    z_adjoint: Vector  # M0^-* Q
+
+    @classmethod
+    def of(cls, inner: Solves, db: Vector, dc: Vector) -> Moved:
+        (rows, corank), (columns, kernel) = db.shape, dc.shape
+        p = np.zeros((rows + kernel, corank + kernel))
+        p[:rows, :corank], p[rows:, corank:] = db, np.eye(kernel)
+        q = np.zeros((columns + corank, corank + kernel))
+        q[columns:, :corank], q[:columns, corank:] = np.eye(corank), dc
+        return cls(inner, p, q, inner.solve(p), inner.solve(q, "H"))
+
+    def solve(self, rhs: Vector, trans: str = "N") -> Vector:
+        z, q = (self.z, self.q) if trans == "N" else (self.z_adjoint, self.p)
+        y = self.inner.solve(rhs, trans)
+        small = np.eye(q.shape[1]) + q.T @ z
+        return np.asarray(y - z @ np.linalg.solve(small, q.T @ y))
+
+
 Borders = tuple[Vector, Vector]  # b (rows, corank) and c (columns, kernel), orthonormal
 
 
@@ -62,13 +94,14 @@ class Bordered:
     rows: int
     b: Vector
     c: Vector
-    factors: SuperLU
+    factors: Solves
 
     @classmethod
-    def of(cls, matrix: csc_matrix, kernel: int, like: Borders | None = None) -> Bordered:
+    def of(cls, matrix: csc_matrix, kernel: int, like: Borders | None = None, once: bool = False) -> Bordered:
         """Borders that span nearly the null spaces, by inverse iteration (two or three factors).
 
-        It begins with those of a matrix nearby, `like` (one factor where they serve), or with random ones.
+        It begins with those of a matrix nearby, `like` (one factor where they serve), or with random ones. `once`:
+        one factor, with which other borders are solved for too; that loses some two digits.
         """
         rows, columns = matrix.shape
         corank = kernel - (columns - rows)
@@ -84,12 +117,16 @@ class Bordered:
             b, c = _orthonormal(w), _orthonormal(v)
             if _is_near(b, bordered.b, near) and _is_near(c, bordered.c, near):
                 break
-            bordered = cls.with_borders(matrix, b, c)
+            bordered = bordered.with_others(b, c) if once else cls.with_borders(matrix, b, c)
         return bordered
 
     @classmethod
     def with_borders(cls, matrix: csc_matrix, b: Vector, c: Vector) -> Bordered:
         return cls(matrix.shape[1], matrix.shape[0], b, c, factors(_with_borders(matrix, b, c)))
+
+    def with_others(self, b: Vector, c: Vector) -> Bordered:
+        """The same matrix with other borders, from the factors that there are: see `Moved`."""
+        return Bordered(self.columns, self.rows, b, c, Moved.of(self.factors, b - self.b, c - self.c))
 
     def solve(self) -> tuple[Vector, Vector, Vector]:
         """Right vectors V (columns, kernel), g (corank, kernel), left vectors W (rows, corank)."""

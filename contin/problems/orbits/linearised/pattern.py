@@ -40,6 +40,16 @@ def matrix_places(n: int, m: int, count: int, columns: bool, phase: bool, autono
     return Places(shape, row, column, order, row[order].astype(np.int32), starts.astype(np.int32))
 
 
+@lru_cache(maxsize=16)
+def block_places(n: int, m: int, count: int) -> Places:
+    """Of the blocks alone: collocation equations by the values at the nodes."""
+    row, column = blocks(n, m, count)
+    nu = (count * m + 1) * n
+    order = np.lexsort((row, column))
+    starts = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=nu))])
+    return Places((nu - n, nu), row, column, order, row[order].astype(np.int32), starts.astype(np.int32))
+
+
 def blocks(n: int, m: int, count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Rows and columns of the entries of `OrbitLinear._local`."""
     i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")

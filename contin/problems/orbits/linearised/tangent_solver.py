@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.linalg.csc import with_rows
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -39,13 +40,12 @@ class Factorised:
 
 def factorised(equations: Array, jacobian: csc_matrix, where: NDArray[np.intp], tangent: Array) -> Factorised | None:
     """None where something is not finite, or the matrix singular."""
-    from scipy import sparse
     from scipy.sparse.linalg import splu
 
     if not (np.all(np.isfinite(equations)) and np.all(np.isfinite(jacobian.data))):
         return None
     try:
-        factors = splu(sparse.vstack([jacobian, tangent[where][None, :]], format="csc"))
+        lu = splu(with_rows(jacobian, tangent[where][None, :]), permc_spec="MMD_AT_PLUS_A")
     except RuntimeError:  # SuperLU: exactly singular
         return None
-    return Factorised(equations, factors, where, tangent.size)
+    return Factorised(equations, lu, where, tangent.size)

@@ -132,9 +132,7 @@ class OrbitConditions:
         by_period = factor * by_mean.period + (mean if kind == "integral" else 0.0)
         return value, Slopes(factor * by_mean.u, by_period, factor * by_mean.p)
 
-    def _extreme(
-        self, sign: float, k: int, profile: Profile, rows: Array, values: Array
-    ) -> tuple[float, Slopes]:
+    def _extreme(self, sign: float, k: int, profile: Profile, rows: Array, values: Array) -> tuple[float, Slopes]:
         """The largest value of sign times a formula, by the intervals that can hold it."""
         m, n, count = profile.m, profile.n, profile.intervals
         pieces = sign * values[(np.arange(count) * m)[:, None] + np.arange(m + 1)]
@@ -170,4 +168,3 @@ class OrbitConditions:
             by_period = float(by[-1]) * float(starts[interval] + place * profile.h[interval])
             by_p[-1] = 0.0
         return sign * found, Slopes(by_u, by_period, by_p)
-

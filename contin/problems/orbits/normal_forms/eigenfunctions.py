@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
 
-def eigenfunctions(
-    problem: OrbitEquations, z: Array, multipliers: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def eigenfunctions(problem: OrbitEquations, z: Array, multipliers: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """(k, times, n) at the nodes of the orbit's mesh; NaN for a multiplier that is not known."""
     profile = problem.profile(z)
     value = float(z[-1])

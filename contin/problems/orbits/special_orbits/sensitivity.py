@@ -62,9 +62,7 @@ def sensitivity(linear: OrbitLinear, type_: str, theta: float = 0.0) -> float:
     )
 
 
-def _conditions(
-    linear: OrbitLinear, type_: str, theta: float, kernel: Array, dual: Array
-) -> list[tuple[Array, Array]]:
+def _conditions(linear: OrbitLinear, type_: str, theta: float, kernel: Array, dual: Array) -> list[tuple[Array, Array]]:
     """(w^* V v)_x of each condition, and |w| times the size of v, row by row."""
     if type_ == "LPC":
         return []
