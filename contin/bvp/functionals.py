@@ -19,17 +19,18 @@ if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
 
 
-def columns_of(problem: BoundaryEquations, z: Array) -> dict[str, Array]:
+def columns_of(problem: BoundaryEquations, z: Array, p: Array | None = None) -> dict[str, Array]:
     """The varying parameter, the free ones, NAME.start, .end, .min, .max, .norm of each state, observables.
 
-    norm = sqrt(mean(x^2)) over the interval.
+    norm = sqrt(mean(x^2)) over the interval.  p : full parameters of each row, where others vary than in `problem`.
     """
     two, rows = problem.two, len(z)
+    p = np.array([problem.full_parameters(row) for row in z]) if p is None else p
     columns: dict[str, Array] = {problem.parameters[0]: z[:, -1].copy()}
     names = [*two.free, *(f"{s}.{e}" for s in two.model.state_names for e in ("start", "end", "min", "max", "norm"))]
     columns.update({name: np.empty(rows) for name in [*names, *two.model.observables]})
     for chosen, same in of_one_size(z):
-        _fill(problem, same, {name: (column, chosen) for name, column in columns.items()})
+        _fill(problem, same, p[chosen], {name: (column, chosen) for name, column in columns.items()})
     return columns
 
 
@@ -55,7 +56,7 @@ def functions_at(problem: BoundaryEquations, z: Array) -> dict[str, Array]:
     return {"t": t, **dict(zip(two.model.state_names, profile.u.T[: two.n_states], strict=True))}
 
 
-def _fill(problem: BoundaryEquations, z: Array, out: dict[str, tuple[Array, NDArray[np.intp]]]) -> None:
+def _fill(problem: BoundaryEquations, z: Array, p: Array, out: dict[str, tuple[Array, NDArray[np.intp]]]) -> None:
     two, m = problem.two, problem.points
     first = problem.profile(z[0])
     u = z[:, : first.u.size].reshape(len(z), -1, first.n)
@@ -74,7 +75,7 @@ def _fill(problem: BoundaryEquations, z: Array, out: dict[str, tuple[Array, NDAr
     for k, name in enumerate(two.free):
         put(name, u[:, 0, two.n_states + k])
     if two.model.observables:
-        numbers = _numbers(problem, z, u, weights)
+        numbers = _numbers(problem, z, p, u, weights)
         for name, expression in two.model.observables.items():
             put(name, np.array([_evaluated(expression, row) for row in numbers]))
 
@@ -83,16 +84,16 @@ def _evaluated(expression: Expression, values: dict[str, float]) -> float:
     return float(evaluate(expression, values))
 
 
-def _numbers(problem: BoundaryEquations, z: Array, u: Array, weights: Array) -> list[dict[str, float]]:
+def _numbers(problem: BoundaryEquations, z: Array, p: Array, u: Array, weights: Array) -> list[dict[str, float]]:
     """For each row, the values of parameters and functionals by name."""
     two, m = problem.two, problem.points
-    inner = _inner_values(problem, z, u)  # (R, K, k)
+    inner = _inner_values(problem, z, p, u)  # (R, K, k)
     low, high = extrema(inner, m) if two.inner else (inner[:, 0], inner[:, 0])
     mean = np.einsum("rk,rki->ri", weights, inner)
     square = np.einsum("rk,rki->ri", weights, inner * inner)
     rows = []
-    for r, row in enumerate(z):
-        values = dict(zip(two.parameters, problem.full_parameters(row)[:-1].tolist(), strict=True))
+    for r, row in enumerate(p):
+        values = dict(zip(two.parameters, row[:-1].tolist(), strict=True))
         values.update({name: float(u[r, 0, two.n_states + k]) for k, name in enumerate(two.free)})
         length = float(evaluate(two.length, values))
         for k, name in enumerate(two.inner):
@@ -108,13 +109,13 @@ def _numbers(problem: BoundaryEquations, z: Array, u: Array, weights: Array) -> 
     return rows
 
 
-def _inner_values(problem: BoundaryEquations, z: Array, u: Array) -> Array:
+def _inner_values(problem: BoundaryEquations, z: Array, p: Array, u: Array) -> Array:
     """The functions inside functionals at the nodes, (R, K, k)."""
     two = problem.two
     if not two.inner:
         return np.zeros((*u.shape[:2], 0))
     rows, nodes, n = u.shape
-    p = np.repeat(np.array([problem.full_parameters(row) for row in z]), nodes, axis=0)
+    p = np.repeat(p, nodes, axis=0)
     p[:, -1] = np.concatenate([problem.profile(row).times for row in z])
     values = two.system.observables(np.ascontiguousarray(u.reshape(-1, n)), p)
     return np.asarray(values).reshape(rows, nodes, -1)

@@ -14,10 +14,14 @@ import ctypes
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Final
 
 import numpy as np
+
+with suppress(ImportError):  # Windows has none, nor the library whose memory is given back
+    import resource
 
 LARGE: Final = 2**21  # numbers: 16 MB, the largest block but one that counts
 WORTH_IT: Final = 64 * 2**20  # bytes that a process grows by before free memory is looked for: that takes milliseconds
@@ -39,14 +43,21 @@ def give_back() -> None:
     """
     global _least
     trim = _trimming()
-    size = resident() if trim is not None else None
-    if trim is None or size is None:
+    if trim is None or (_least is not None and _peak() <= _least + WORTH_IT):
+        return
+    size = resident()
+    if size is None:
         return
     if _least is None or size < _least:
         _least = size
     elif size > _least + WORTH_IT:
         trim(0)
         _least = resident()
+
+
+def _peak() -> int:
+    """Bytes that were ever in memory: told at once, where what is there now is read from a file."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 def resident() -> int | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 from contin.machine import elementary
@@ -40,7 +41,7 @@ def node_values(roots: Iterable[Expression], env: Record, lib: Any = math) -> di
     """Value of every node below `roots`."""
     arithmetic = _Arithmetic(lib)
     values: dict[Expression, Value] = {}
-    for node in postorder(roots):
+    for node in _order(tuple(roots)):
         op = node.op
         if op == "symbol":
             values[node] = env[str(node.value)]
@@ -51,6 +52,12 @@ def node_values(roots: Iterable[Expression], env: Record, lib: Any = math) -> di
         else:
             values[node] = arithmetic.apply(op, [values[a] for a in node.args])
     return values
+
+
+@lru_cache(maxsize=256)
+def _order(roots: tuple[Expression, ...]) -> tuple[Expression, ...]:
+    """Formulas that are evaluated are evaluated again."""
+    return tuple(postorder(roots))
 
 
 class _Arithmetic:

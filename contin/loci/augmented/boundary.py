@@ -172,16 +172,17 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         return f"{type_} is not looked for on curves of {curve}"
 
     def columns(self, z: Array) -> dict[str, Array]:
-        found: dict[str, list[float]] = {}
-        for row in z:
-            inner = self.inner(row)
-            own = {name: float(c[0]) for name, c in columns_of(self.at(row), inner[None]).items()}
-            own |= dict(zip(self.names, self.values(row).tolist(), strict=True))
-            if self.extra:
-                own["unfolding"] = float(trimmed(row)[-self.behind])
-            for name, value in own.items():
-                found.setdefault(name, []).append(value)
-        return {name: np.array(values) for name, values in found.items()}
+        inner = [self.inner(row) for row in z]
+        padded = np.full((len(z), max(map(len, inner))), np.nan)
+        for row, values in zip(padded, inner, strict=True):
+            row[len(row) - len(values) :] = values
+        p = np.array([self.at(row).full_parameters(values) for row, values in zip(z, inner, strict=True)])
+        found = columns_of(self.problem, padded, p)
+        varying = np.array([self.values(row) for row in z])
+        found.update({name: varying[:, k] for k, name in enumerate(self.names)})
+        if self.extra:
+            found["unfolding"] = np.array([trimmed(row)[-self.behind] for row in z])
+        return found
 
     def column_names(self) -> tuple[str, ...]:
         return (*self.names, *self.problem.column_names()[1:])
