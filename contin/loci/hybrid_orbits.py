@@ -6,9 +6,9 @@ for events that its cycle does not have, and the curve ends where the cycle chan
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,9 @@ from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, 
 from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve
-from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, SHORTER, HybridOrbits, renamed
+from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, HybridOrbits, judged, renamed
 from contin.problems.hybrid.sampling import HybridProfile, extremes
 from contin.problems.two_parameters import TwoParameterProblem
-from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -143,23 +142,12 @@ class HybridLocus(TwoParameterProblem):
     def _of_orbit(self, found: Outcome, frame: Frame) -> Outcome:
         if not isinstance(found, Verified):
             return found
-        form = renamed(self._surely(found, frame))
-        return replace(
-            found, type=OF_CURVES.get(found.type, found.type), eigenvalues=self.multipliers(found.z), normal_form=form
-        )
-
-    def _surely(self, found: Verified, frame: Frame) -> Fields:
-        """The normal form; its derivatives are differences, whose error other steps show."""
-        form: Fields = dict(found.normal_form)
-        shorter = replace(self.curve, system=replace(self.orbits.map, stretch=SHORTER))
         here = Sample(found.z, np.zeros_like(found.z), np.empty(0), found.unstable, found.eigenvalues)
-        again = replace(self.fixed, curve=shorter).verify(found.type, here, frame)
-        other: Mapping[str, Any] = again.normal_form if isinstance(again, Verified) else {}
-        errors = dict(form.get("errors", {}))
-        for key, value in form.items():
-            if isinstance(value, float) and isinstance(other.get(key), float):
-                errors[key] = float(errors.get(key, 0.0)) + 2.0 * abs(value - other[key])
-        return form | ({"errors": errors} if errors else {})
+        again = replace(self.fixed, curve=replace(self.curve, system=self.orbits.map.rougher()))
+        found = judged(found, again.verify(found.type, here, frame))
+        type_ = OF_CURVES.get(found.type, found.type)
+        form = renamed(dict(found.normal_form))
+        return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=form)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         return self.fixed.reverses(z, tangent, scale, symmetries)

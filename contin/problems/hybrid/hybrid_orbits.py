@@ -23,7 +23,6 @@ from contin.normalforms.result import sense
 from contin.problems.at_fixed_parameter import at_parameter
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation
 from contin.problems.equilibria import special_points
-from contin.problems.equilibria.normal_forms import with_normal_form
 from contin.problems.hybrid.cycle_of_events import CycleOfEvents
 from contin.problems.hybrid.grazing import cut_where_events_change, ending, is_shut, unexpected
 from contin.problems.hybrid.multipliers import stability
@@ -40,7 +39,6 @@ OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points,
 OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
 SAME: Final = 1e-6  # of the states' sizes: two halves of an orbit are one
 OPPOSITE: Final = 1e-3  # ... and move oppositely
-SHORTER: Final = 0.5  # differences by which those of the normal form are judged
 STEEP: Final = 1e5  # multiplier
 COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those of orbits have other units
 
@@ -122,39 +120,29 @@ class HybridOrbits(CycleOfEvents):
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         try:
             found = self.inner.verify(OF_MAPS.get(type_, type_), self._of_map(near), frame)
-            return self._of_orbit(found, frame.scale)
+            return self._of_orbit(found, near, frame)
         except np.linalg.LinAlgError:  # a point beside which an event of the cycle does not come
             return Rejected("the events beside this point are others")
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = self.inner.verify_compound(self._of_map(a), self._of_map(b), frame)
-        return [self._of_orbit(item, frame.scale) for item in found]
+        return [self._of_orbit(item, a, frame) for item in found]
 
     def _of_map(self, sample: Sample) -> Sample:
         """Without the trivial multiplier."""
         return sample if self.flow.forced else replace(sample, eigenvalues=sample.eigenvalues[1:])
 
-    def _of_orbit(self, found: Outcome, scale: Array) -> Outcome:
+    def _of_orbit(self, found: Outcome, near: Sample, frame: Frame) -> Outcome:
         if not isinstance(found, Verified):
             return found
-        form = renamed(self._surely(found, scale))
-        type_ = OF_ORBITS.get(found.type, found.type)
-        return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=form)
-
-    def _surely(self, found: Verified, scale: Array) -> Fields:
-        """The normal form; its derivatives are differences, whose error other steps show."""
-        other = replace(self.inner, system=replace(self.map, stretch=SHORTER))
-        again = with_normal_form(other, replace(found, normal_form={}), scale).normal_form
-        form, errors = dict(found.normal_form), dict(found.normal_form.get("errors", {}))
-        for key, value in form.items():
-            if isinstance(value, float) and isinstance(again.get(key), float):
-                errors[key] = float(errors.get(key, 0.0)) + 2.0 * abs(value - again[key])
-        if errors:
-            form["errors"] = errors
+        again = replace(self.inner, system=self.map.rougher())
+        found = judged(found, again.verify(found.type, replace(self._of_map(near), z=found.z), frame))
+        form, errors = found.normal_form, found.normal_form.get("errors", {})
         decides = {"PD": ("c", -1.0), "NS": ("d", 1.0)}.get(found.type)
         if decides is not None and isinstance(form.get(decides[0]), float):
-            form["criticality"] = sense(decides[1] * form[decides[0]], errors.get(decides[0], 0.0))
-        return form
+            form = {**form, "criticality": sense(decides[1] * form[decides[0]], errors.get(decides[0], 0.0))}
+        type_ = OF_ORBITS.get(found.type, found.type)
+        return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=renamed(dict(form)))
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         return HALF_PERIOD in symmetries and self._halves(z, tangent)
@@ -202,6 +190,27 @@ class HybridOrbits(CycleOfEvents):
                 "not resolve it (a canard, or a burst that gains or loses a spike)."
             )
         return self.inner.describe_failure(z)
+
+
+def judged(found: Verified, again: Outcome) -> Verified:
+    """A point of the map with errors that cover how far it depends on differences and on the trajectories' accuracy.
+
+    again : the same point of the `rougher` map.
+    """
+    if not isinstance(again, Verified):
+        why = f"{found.type}: its error leaves out that of the trajectories (it is not found with less accurate ones)"
+        return replace(found, remark="; ".join(filter(None, (found.remark, why))))
+    form, errors = dict(found.normal_form), dict(found.normal_form.get("errors", {}))
+    for key, value in form.items():
+        other = again.normal_form.get(key)
+        if isinstance(value, float) and isinstance(other, float):
+            errors[key] = float(errors.get(key, 0.0)) + 2.0 * abs(value - other)
+    if errors:
+        form["errors"] = errors
+    moved, vectors = np.abs(found.z - again.z), dict(found.vectors)
+    if "second" in vectors:  # of a point in two parameters
+        vectors["second"] = float(vectors["second"]) + float(moved[-2])
+    return replace(found, error=found.error + float(moved[-1]), normal_form=form, vectors=vectors)
 
 
 def renamed(form: Fields) -> Fields:

@@ -71,13 +71,17 @@ class Passage:
 
 
 def pass_through(
-    flow: HybridFlow, arcs: tuple[Arc, ...], winding: Array, u: Array, p: Array, sizes: Array
-) -> Passage | None:
-    """None where an event of the cycle does not come, or the flow has no value."""
+    flow: HybridFlow, arcs: tuple[Arc, ...], winding: Array, u: Array, p: Array, sizes: Array,
+    accuracy: float = ACCURACY,
+) -> Passage | None:  # fmt: skip
+    """None where an event of the cycle does not come, or the flow has no value.
+
+    accuracy : relative tolerance of the trajectories.
+    """
     n = flow.n
     (at, matrix), found = flow.entered((arcs[-1].event, *arcs[-1].then), u, p), []
     for arc in arcs:
-        flown = _fly_arc(flow, arc, at, p, sizes)
+        flown = _fly_arc(flow, arc, at, p, sizes, accuracy)
         if flown is None:
             return None
         found.append(flown)
@@ -87,7 +91,7 @@ def pass_through(
     return Passage(tuple(found), at - winding, matrix)
 
 
-def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array) -> Flown | None:
+def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accuracy: float) -> Flown | None:
     n, m = flow.n, flow.m
     if not (np.isfinite(u).all() and np.isfinite(p).all()):
         return None
@@ -96,8 +100,8 @@ def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array) -> Fl
         return None
     columns = np.concatenate([np.full(n, -1), n + np.arange(m)])
     flight = fly(
-        flow.system, u, p, time, variations=np.eye(n, n + m), columns=columns, rtol=ACCURACY,
-        atol=SMALLER * ACCURACY * sizes, budget=BUDGET,
+        flow.system, u, p, time, variations=np.eye(n, n + m), columns=columns, rtol=accuracy,
+        atol=SMALLER * accuracy * sizes, budget=BUDGET,
     )  # fmt: skip
     if flight.outcome != DONE or not np.isfinite(flight.end).all():
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.normalforms.jet import expand_complex
 from contin.problems.hybrid.flow import HybridFlow
+from contin.problems.hybrid.landing import ACCURACY
 from contin.problems.hybrid.passage import Arc, Passage, pass_through
 from contin.systems.functions.derivatives import Lines
 from contin.systems.protocol import form_by_form, one_by_one
@@ -20,6 +21,8 @@ from contin.systems.protocol import form_by_form, one_by_one
 if TYPE_CHECKING:
     from contin.systems.protocol import Limit, Named
 
+SHORTER: Final = 0.5  # differences by which those of normal forms are judged
+COARSER: Final = 10.0  # tolerance of the trajectories by which places are judged
 FIRST_LOOKS: Final = (1e-4, 1e-6, 1e-8)  # of the unknowns' sizes: steps that show how soon the Jacobian changes
 
 
@@ -52,6 +55,7 @@ class ReturnSystem:
     States that the last jump sets to values without states in them are no unknowns: `kept` are the others (one of
     them, where there are no others).
     sizes : of all states on the orbit.  winding : what they gain in a cycle.  stretch : of the differences' steps.
+    accuracy : relative tolerance of trajectories.
     """
 
     flow: HybridFlow
@@ -59,6 +63,7 @@ class ReturnSystem:
     winding: Array
     sizes: Array
     stretch: float = 1.0
+    accuracy: float = ACCURACY
 
     jacobian_address = NO_FUNCTION
     kind = "map"
@@ -66,6 +71,10 @@ class ReturnSystem:
     n_switches = 0
     limits: tuple[Limit, ...] = ()
     observable_names: tuple[str, ...] = ()
+
+    def rougher(self) -> ReturnSystem:
+        """The same map by shorter differences and less accurate trajectories: how far its results depend on both."""
+        return replace(self, stretch=SHORTER, accuracy=COARSER * ACCURACY)
 
     @cached_property
     def model(self) -> Returning:
@@ -117,7 +126,8 @@ class ReturnSystem:
         if key not in self._kept:
             if len(self._kept) > 64:
                 self._kept.clear()
-            self._kept[key] = pass_through(self.flow, self.arcs, self.winding, self.full(states), others, self.sizes)
+            full = self.full(states)
+            self._kept[key] = pass_through(self.flow, self.arcs, self.winding, full, others, self.sizes, self.accuracy)
         return self._kept[key]
 
     @cached_property
