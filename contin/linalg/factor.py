@@ -55,6 +55,11 @@ class Factoriser:
         self._learn(matrix)
         return self._widths is not None
 
+    def band_entries(self, matrix: csc_matrix) -> int | None:
+        """How many numbers the factors of this matrix hold where it is a narrow band; None where it is none."""
+        self._learn(matrix)
+        return None if self._widths is None else (2 * self._widths[0] + self._widths[1] + 1) * int(matrix.shape[0])
+
     def factor(self, matrix: csc_matrix) -> Factor:
         """LU factors of a scipy.sparse matrix in CSC form."""
         self._learn(matrix)

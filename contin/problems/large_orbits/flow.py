@@ -20,6 +20,7 @@ from contin.problems.large_orbits.radau import STAGES, A
 from contin.problems.large_orbits.sweeps import Interval, Sweeps
 
 SETTLED: Final = 1e-14  # of a correction, relative to the states
+AHEAD: Final = 0.5  # of that: a correction that is not made, for the last two tell its size
 ROUNDED: Final = 1e-9  # from which a correction that does not shrink is rounding
 SLOW: Final = 0.2  # contraction from which a solver is made anew
 ITERATIONS: Final = 30
@@ -64,10 +65,12 @@ class Stepper:
             size = norm(change.ravel()) / self.size
             if not np.isfinite(size):
                 return None
+            rate = size / before
+            ahead = rate * size if U is not guess else np.inf  # about the next correction, from the second one on
+            if size <= SETTLED or ahead <= AHEAD * SETTLED or (rate >= 0.5 and size < ROUNDED):
+                return U + change
             U = U + change
-            if size <= SETTLED or (size >= 0.5 * before and size < ROUNDED):
-                return U
-            if size > SLOW * before and size > ROUNDED:
+            if rate > SLOW and size > ROUNDED:
                 solver = None
             before = size
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -36,21 +37,25 @@ class Points:
     system: FunctionSystem
     source: JacobianSource
 
+    @cached_property
+    def _at_once(self) -> AtOnce | None:
+        """The model, where it takes many states; asked once, for that is slow."""
+        model: object = self.system.model
+        return model if isinstance(model, AtOnce) else None
+
     def _named(self, p: Array) -> dict[str, float]:
         return dict(zip(self.system.parameter_names, p.tolist(), strict=True))
 
     def values(self, u: Array, p: Array) -> Array:
         """F (K, n), NaN where there is none."""
-        model: object = self.system.model
-        if isinstance(model, AtOnce):
-            return np.asarray(model.at_states(u.T, self._named(p)).T)
-        return np.array([self.system.value(row, p) for row in u])
+        if self._at_once is not None:
+            return np.asarray(self._at_once.at_states(u.T, self._named(p)).T)
+        return self.system.values(u, p)
 
     def jacobians(self, u: Array, p: Array) -> list[csc_matrix] | None:
         """dF/du; None where one of them is not finite."""
-        model: object = self.system.model
-        if isinstance(model, AtOnce):
-            found: Sequence[csc_matrix | None] = model.jacobians_at(u.T, self._named(p))
+        if self._at_once is not None:
+            found: Sequence[csc_matrix | None] = self._at_once.jacobians_at(u.T, self._named(p))
         else:
             found = [self._matrix(row, p) for row in u]
         made = [J for J in found if J is not None and np.all(np.isfinite(J.data))]
@@ -62,7 +67,6 @@ class Points:
 
     def parameter_slopes(self, u: Array, p: Array, k: int) -> Array:
         """dF/dp_k (K, n)."""
-        model: object = self.system.model
-        if isinstance(model, AtOnce):
-            return np.asarray(model.parameter_slopes_at(u.T, self._named(p), self.system.parameter_names[k]).T)
+        if self._at_once is not None:
+            return np.asarray(self._at_once.parameter_slopes_at(u.T, self._named(p), self.system.parameter_names[k]).T)
         return np.array([self.system.parameter_slope(row, p, k) for row in u])

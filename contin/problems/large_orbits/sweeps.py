@@ -25,7 +25,8 @@ from contin.problems.large_orbits.radau import STAGES
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
 
 SMALL: Final = 10_000  # unknowns up to which every interval is factored by itself, solves being quicker
-MANY: Final = 2_000_000  # unknowns times intervals from which factors of all, of bands too, would take over 6 GB
+MANY: Final = 2_000_000  # unknowns times intervals from which factors of all may take over 6 GB, ...
+NUMBERS: Final = 800_000_000  # ... and of bands, whose size is known, the numbers that do
 
 
 class Interval(Protocol):
@@ -51,7 +52,8 @@ class Sweeps:
         pattern = Pattern.of(matrices[0])
         threes = [matrices[k : k + STAGES] for k in range(0, len(matrices), STAGES)]
         pairs = list(zip(threes, steps.tolist(), strict=True))
-        if n * len(pairs) > MANY or (n > SMALL and not factoriser.is_band_for(pattern.matrix(*pairs[0]))):
+        band = factoriser.band_entries(pattern.matrix(*pairs[0]))
+        if band * len(pairs) > NUMBERS if band is not None else n > SMALL or n * len(pairs) > MANY:
             return cls(intervals_with_shared_factors(pairs, factoriser.tally), n)
         return cls([factoriser.factor(pattern.matrix(three, step)) for three, step in pairs], n)
 

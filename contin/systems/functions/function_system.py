@@ -311,8 +311,22 @@ class FunctionSystem:
         return self.value(states, others), matrix
 
     def values(self, u: Array, p: Array) -> Array:
-        """F at N points u (N, n), (N, n)."""
-        return np.array([self.value(at, p) for at in u])
+        """F at N points u (N, n), (N, n): at once, until something is wrong with one of them."""
+        others = np.asarray(p, dtype=float)
+        with np.errstate(all="ignore"):
+            found = [self._quiet(np.array(at, dtype=float), others) for at in u]
+        if all(one is not None for one in found) and np.all(np.isfinite(values := np.array(found))):
+            self._worked |= {"residual", "value"}
+            return values
+        return np.array([self.value(at, others) for at in u])
+
+    def _quiet(self, u: Array, p: Array) -> Array | None:
+        """F where the user's function gives real numbers of the right shape; None else."""
+        try:
+            value = np.asarray(self.model.residual(u, self._named(p)))
+        except Exception:  # noqa: BLE001 - said in words by `value`
+            return None
+        return value if value.shape == (self.n,) and value.dtype.kind in "biuf" else None
 
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
         """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""

@@ -122,6 +122,10 @@ class FunctionInKernels(FunctionSystem):
         self._raise()
         return super().value(u, p)
 
+    def values(self, u: Array, p: Array) -> Array:
+        self._raise()
+        return super().values(u, p)
+
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         self._raise()
         return super().jacobian(u, p)

@@ -25,18 +25,22 @@ def planted(a3, a5, exact=False):
         x, y, w1, w2, _, _, s = z
         mu, a, r2 = p["mu"], p["a"], x * x + y * y
         growth, slope = mu + (a3 + a) * r2 + a5 * r2 * r2, 2 * (a3 + a) + 4 * a5 * r2
-        return sparse.csc_matrix([
+        full = np.array([
             [growth + slope * x * x, slope * x * y - 1, 0, 0, 0, 0, 0],
             [slope * x * y + 1, growth + slope * y * y, 0, 0, 0, 0, 0],
             [w1, w2, x - 0.5 - a, y - 0.5, 0, 0, 0], [-w2, w1, y + 0.5, -x - 0.5 - a, 0, 0, 0],
             [0, 0, 0, 0, mu - 0.3 - a, -0.4, 0], [0, 0, 0, 0, 0.4, mu - 0.3 - a, 0],
             [0, 0, 0, 0, 0, 0, mu - 0.4 - a - 3 * s * s],
         ])  # fmt: skip
+        return sparse.csc_matrix((full.T[filled.T], rows, starts), shape=(7, 7))
 
     pattern = np.zeros((7, 7))
     pattern[:2, :2] = pattern[2:4, :4] = pattern[4:6, 4:6] = pattern[6, 6] = 1
     names = ["x", "y", "w1", "w2", "v1", "v2", "s"]
+    filled = pattern > 0
+    filled[2:4, :4] = True
     pattern = sparse.csc_matrix(pattern)
+    rows, starts = pattern.indices, pattern.indptr
     derivatives = {"jacobian": jacobian} if exact else {"sparsity": pattern}
     return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5, "a": 0.0}, states=names, **derivatives)
 

@@ -8,7 +8,9 @@ from scipy.sparse.linalg import LinearOperator
 
 import contin
 from contin.errors import InputError, NoSolutionError
+from contin.linalg.factor import Factoriser
 from contin.linalg.tally import Tally
+from contin.problems.large_orbits import sweeps
 from contin.problems.large_orbits.from_starts import FromStarts, Mesh
 from contin.problems.large_orbits.interval import Pattern
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
@@ -131,6 +133,19 @@ def test_intervals_with_shared_factors_are_solved_to_rounding():
         np.testing.assert_allclose(matrix @ interval.solve(right), right, atol=1e-11)
         np.testing.assert_allclose(matrix.T @ interval.solve_transposed(right), right, atol=1e-11)
     assert tally.factorisations == 2  # a real one and a complex one, for all intervals
+
+
+def test_factors_are_shared_where_those_of_all_intervals_do_not_fit(monkeypatch):
+    """Bands tell how many numbers their factors hold: (2 lower + upper + 1) n; those of 90 rows here fit, or do not."""
+    line = sparse.diags([np.ones(29), -2.0 * np.ones(30), np.ones(29)], [-1, 0, 1], format="csc")
+    kinds, moved = [], []
+    for numbers in (16 * 90 * 4, 90):
+        monkeypatch.setattr(sweeps, "NUMBERS", numbers)
+        made = sweeps.Sweeps.of([line] * 12, np.full(4, 0.1), Factoriser())
+        kinds.append([type(one).__name__ for one in made.intervals])
+        moved.append(made.monodromy(np.arange(30.0)))
+    np.testing.assert_allclose(moved[0], moved[1], rtol=1e-10)
+    assert kinds == [["BandFactor"] * 4, ["ReusedInterval"] * 4]
 
 
 def test_meshes_are_halved_where_errors_are_large_and_joined_again():
