@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, 
 from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve
-from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, HybridOrbits, judged, renamed
+from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, HybridOrbits, judged, renamed, solved_twice
 from contin.problems.hybrid.sampling import HybridProfile, extremes
 from contin.problems.two_parameters import TwoParameterProblem
 
@@ -114,6 +114,14 @@ class HybridLocus(TwoParameterProblem):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return self.fixed.probe(base, length, guess, frame, settings)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        """On more accurate trajectories."""
+        system = self.orbits.map.finer()
+        orbits = replace(self.orbits, inner=replace(self.orbits.inner, system=system))
+        finer = replace(self, orbits=orbits, fixed=replace(self.fixed, curve=replace(self.curve, system=system)))
+        found = solved_twice(finer, sample, frame)
+        return None if found is None else (finer, found, frame)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         return self.fixed.at_unknown(index, guess, value, scale)

@@ -33,7 +33,8 @@ from contin.records import Fields
 from contin.special.table import test_on_branch
 
 if TYPE_CHECKING:
-    pass
+    from contin.continuation.problem import Problem
+    from contin.problems.contracts import Probing
 
 OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points, and what they are of orbits
 OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
@@ -100,6 +101,12 @@ class HybridOrbits(CycleOfEvents):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return generic.probe(self, base, length, guess, frame, settings)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
+        """On more accurate trajectories."""
+        finer = HybridOrbits(replace(self.inner, system=self.map.finer()))
+        found = solved_twice(finer, sample, frame)
+        return None if found is None else (finer, found, frame)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return at_parameter(self.inner, guess, value, scale)
@@ -190,6 +197,12 @@ class HybridOrbits(CycleOfEvents):
                 "not resolve it (a canard, or a burst that gains or loses a spike)."
             )
         return self.inner.describe_failure(z)
+
+
+def solved_twice(problem: Probing, sample: Sample, frame: Frame) -> Sample | None:
+    """A point next to the sample, solved for again from where Newton's tolerance left it."""
+    found = problem.probe(sample, 0.0, sample.z.copy(), frame, Settings())
+    return None if found is None else problem.probe(found, 0.0, found.z.copy(), frame, Settings())
 
 
 def judged(found: Verified, again: Outcome) -> Verified:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from contin.systems.protocol import Limit, Named
 
 SHORTER: Final = 0.5  # differences by which those of normal forms are judged
-COARSER: Final = 10.0  # tolerance of the trajectories by which places are judged
+COARSER: Final = 10.0  # ratio of the trajectories' tolerances by which places are judged
 FIRST_LOOKS: Final = (1e-4, 1e-6, 1e-8)  # of the unknowns' sizes: steps that show how soon the Jacobian changes
 
 
@@ -75,6 +75,10 @@ class ReturnSystem:
     def rougher(self) -> ReturnSystem:
         """The same map by shorter differences and less accurate trajectories: how far its results depend on both."""
         return replace(self, stretch=SHORTER, accuracy=COARSER * ACCURACY)
+
+    def finer(self) -> ReturnSystem:
+        """The same map by more accurate trajectories."""
+        return replace(self, accuracy=ACCURACY / COARSER)
 
     @cached_property
     def model(self) -> Returning:

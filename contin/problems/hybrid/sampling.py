@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.problems.hybrid.landing import ACCURACY, BUDGET, SMALLER
+from contin.problems.hybrid.landing import BUDGET, SMALLER
 from contin.simulate.extrema import extremes_between
 from contin.simulate.flight import fly
 
@@ -120,10 +120,9 @@ def _states(problem: CycleOfEvents, z: Array, flown: Flown, t: Array) -> Array:
 
 
 def _flown_states(problem: CycleOfEvents, p: Array, u: Array, t: Array) -> Array:
-    atol = SMALLER * ACCURACY * problem.map.sizes
-    flight = fly(
-        problem.flow.system, u, p, float(t[-1]), times=t, rtol=ACCURACY, atol=atol, budget=BUDGET
-    )
+    accuracy = problem.map.accuracy
+    atol = SMALLER * accuracy * problem.map.sizes
+    flight = fly(problem.flow.system, u, p, float(t[-1]), times=t, rtol=accuracy, atol=atol, budget=BUDGET)
     states = np.full((len(t), problem.flow.n), np.nan)
     states[: len(flight.u)] = flight.u
     return states
