@@ -83,14 +83,17 @@ class Arm:
         settings, problem = self.course.settings, self.problem
         origin, before, length, step = self.origin, None, 0.0, settings.first_step
         event: Behind | None = None  # in the step before the chunk
+        gauge: object = None  # of the chunk before
         while not self.is_over():
             limit = min(settings.steps - self.accepted, problem.maximum_chunk)
             if limit <= 0:
                 self.end = End("steps", f"all {settings.steps} steps used at {self.course.position(origin.z)}")
                 return
-            frame = Frame(self.scale)
+            frame = Frame(self.scale, gauge=gauge)
             march = self.march or problem.march
             chunk = march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
+            gauge = chunk.gauge
+            frame = Frame(self.scale, gauge=gauge)
             chunk, corner, (piece, self.end) = self._looked_at(chunk, before, event)
             past = None if self.is_over() else self._past_touching(piece)
             if past is not None:
@@ -131,6 +134,7 @@ class Arm:
                         return
                     step = RETRY_STEP
                 self.scale, self.loop, self.end = renewal.scale, renewal.loop, renewal.end
+                gauge = gauge if renewal.gauge is None else renewal.gauge
                 origin, before = renewal.origin, renewal.before
                 if renewal.last is not None:
                     yield Piece.single(renewal.last, self.scale)
@@ -253,7 +257,7 @@ class Arm:
         the corner would be crossed back to the arm by which the branch came; from the row before it is crossed rightly.
         """
         course, last = self.course, chunk.sample(-1)
-        frame = Frame(self.scale, chunk.reference)
+        frame = Frame(self.scale, chunk.reference, chunk.gauge)
         crossed = self.problem.cross_corner(last, frame, course.settings)
         if crossed is None:
             return None
@@ -285,7 +289,7 @@ class Arm:
         if mark is None or chunk.stop is not Stop.EVENT or not 1 <= mark.before == len(chunk) - 1:
             return None
         last = chunk.sample(mark.before - 1)
-        crossed = self.problem.cross_corner(last, Frame(self.scale, chunk.reference), self.course.settings)
+        crossed = self.problem.cross_corner(last, Frame(self.scale, chunk.reference, chunk.gauge), self.course.settings)
         if crossed is None or not isinstance(crossed[1], Verified) or crossed[0].unstable != chunk.unstable[-1]:
             return None
         return crossed[0]

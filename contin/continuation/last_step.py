@@ -83,7 +83,7 @@ def resolve(
     corrector failed, the arm goes on.  event : a labelled point in the step that led to the chunk's first row.
     passing : no step is repeated: shorter ones have not explained what changes here either.
     """
-    rows, frame = len(chunk) - 1, Frame(scale, chunk.reference)
+    rows, frame = len(chunk) - 1, Frame(scale, chunk.reference, chunk.gauge)
     piece = Piece(
         chunk.z[1:], chunk.tangents[1:], chunk.unstable[1:], chunk.eigenvalues[1:], scale,
         evaluations=chunk.evaluations,

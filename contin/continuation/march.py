@@ -77,10 +77,17 @@ class Judged(Protocol):
         """True where what is left of every equation is small beside its linear terms."""
 
 
+class Telling(Protocol):
+    """A linearisation from which stability and tests at the point that it leads to are read, not from the point."""
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """See `Marchable.stability`."""
+
+
 @cache
-def _is_judged(kind: type) -> bool:
-    """Whether linearisations of a class are `Judged`; asked once a class, for it takes as long as a small solve."""
-    return any("met" in base.__dict__ for base in kind.__mro__)
+def _offers(kind: type, name: str) -> bool:
+    """Whether linearisations of a class offer more; asked once a class, for it takes as long as a small solve."""
+    return any(name in base.__dict__ for base in kind.__mro__)
 
 
 class Correctable(Protocol):
@@ -155,7 +162,7 @@ def correct(
         first = size if first == 0.0 else first
         ratio = size / size_before if size_before > 0.0 else 0.0
         left = size * ratio if chord else size * ratio * ratio
-        met = not _is_judged(type(now)) or cast(Judged, now).met
+        met = not _offers(type(now), "met") or cast(Judged, now).met
         done = size <= tolerance and (met or not once_more or iteration == NEWTON_LIMIT)
         done = done or (met and size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
         if not done and compare and ratio > 0.5:
@@ -211,7 +218,8 @@ def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
     t = t / length
     exponent = found.last.log_determinant + elementary.log(length) - reference
     determinant = found.last.sign * elementary.exp(min(max(exponent, -700.0), 700.0))
-    tests, unstable, eigenvalues = problem.stability(found.z)
+    look: Marchable | Telling = cast(Telling, found.last) if _offers(type(found.last), "stability") else problem
+    tests, unstable, eigenvalues = look.stability(found.z)
     return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
 
 

@@ -79,6 +79,7 @@ class Chunk:
     dipped: int  # which test dipped, where stop is DIP
     evaluations: int
     detail: str = ""  # in words, where the march failed
+    gauge: object = None  # see `Frame`; made anew from the rows of a chunk that was kept in a file
 
     def __len__(self) -> int:
         return len(self.z)
@@ -97,10 +98,16 @@ class Chunk:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A metric (`scale`) with the normalisation of the tests that goes with it."""
+    """A metric (`scale`), with what the equations near a chunk's rows are written with.
+
+    reference : normalises the determinant-like test.  gauge : whatever a problem chooses once for a chunk (borders, the
+    orbit of a phase condition, the sense of null vectors): `march` returns it with its rows, and gets that of the chunk
+    before, to which signs refer. Without one (None) a problem chooses at the point that it is asked about.
+    """
 
     scale: Array
     reference: float = 0.0
+    gauge: object = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +190,7 @@ class Renewal:
     end: End | None = None
     last: Sample | None = None  # a row to append: where a family of orbits shrinks, the Hopf point
     point: Verified | None = None  # a label for the last row: HOM
+    gauge: object = None  # for the next chunk, where that of the last one does not serve there
 
 
 @dataclass(frozen=True)
@@ -247,7 +255,8 @@ class Problem(ABC):
     9.  Numerical trouble is never raised by `march`, `probe`, `verify` or `at_parameter`: it is a stop, None, or a
         reason.
     10. A problem is a frozen value: pickles and copies serve as well as it does. What it remembers makes answers
-        cheaper, not different. What is born at a point is not the problem's: `contin.transitions` has a table for it.
+        cheaper, not different; what is chosen for a stretch of a branch is the `gauge` of its chunk and frame. What is
+        born at a point is not the problem's: `contin.transitions` has a table for it.
     """
 
     adaptive = False  # its unknowns change their meaning along a branch: a mesh that follows the solution

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,12 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.two_parameters import CurveOfOrbits
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Gauge:
-    """What is kept from one chunk to the next: phase reference, bases, and vectors that signs refer to."""
+    """What is chosen for a stretch of a curve: phase reference, bases, and vectors that signs refer to.
+
+    `vectors` are taken on from point to point within one call, which has a copy of them for itself.
+    """
 
     reference: Array | None = None
     stable: Array | None = None
@@ -46,12 +50,24 @@ class ConnectionLayout(CurveOfOrbits):
     aim: Array | None = None  # of a homotopy, whose parameter stands in the place of q: see `projections`
     truncation: float | None = None  # distance of the ends from the saddles, relative to the orbit's extent
     doubting: bool = False  # for the error of its tests: the adjoint solution is followed less far
-    gauge: Gauge = field(default_factory=Gauge)
+    gauge: Gauge | None = None
     type = "HOM"
 
     @property
     def n(self) -> int:
         return self.orbits.n
+
+    def gauged(self, gauge: Any) -> Self:
+        return self if gauge is None else replace(self, gauge=replace(gauge, vectors=dict(gauge.vectors)))
+
+    @property
+    def is_settled(self) -> bool:
+        return self.chosen.reference is not None
+
+    @property
+    def chosen(self) -> Gauge:
+        """The gauge; bases refer to nothing where there is none."""
+        return Gauge() if self.gauge is None else self.gauge
 
     def join(self, profile: Profile, saddles: Array, q: float) -> Array:
         return np.concatenate([profile.u.ravel(), saddles.ravel(), [profile.period], profile.h, [q, profile.parameter]])

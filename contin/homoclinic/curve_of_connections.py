@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,6 @@ from contin.continuation.problem import Frame, Sample
 from contin.homoclinic.equations import ConnectionCurve
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh.layout import Profile
-from contin.records import Fields
 
 if TYPE_CHECKING:
     pass
@@ -23,7 +22,6 @@ class CurveOfConnections(MarchedInPython):
     """See `contin.homoclinic.equations` for the unknowns and equations."""
 
     curve: ConnectionCurve
-    _last: Fields = field(default_factory=dict)
     maximum_chunk = 5  # a step takes some 20 ms
 
     @property

@@ -17,12 +17,12 @@ connections persist, and q is not one.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from contin.abi import Array
-from contin.homoclinic.connection_layout import ConnectionLayout
+from contin.homoclinic.connection_layout import ConnectionLayout, Gauge
 from contin.homoclinic.projections import linearised_projections, projections
 from contin.homoclinic.subspaces import left_subspace
 from contin.kernels.collocation_basis import basis
@@ -42,15 +42,17 @@ class ConnectionCurve(ConnectionLayout):
 
     # -- equations ----------------------------------------------------------------------------------------------------
 
-    def settle(self, z: Array, sizes: Array) -> None:
-        """Phase reference and bases at z."""
-        first, last = self.equilibria(z)[0], self.equilibria(z)[-1]
-        self.gauge.reference = z.copy()
-        self.gauge.stable = left_subspace(self.scaled_matrix(first, z, sizes), self.stable_count, True)
-        if self.reversor is None:
-            self.gauge.unstable = left_subspace(self.scaled_matrix(last, z, sizes), self.unstable_count, False)
-        if self.node:
-            self.gauge.borders = borders(self.scaled_matrix(first, z, sizes))
+    def settled(self, z: Array, sizes: Array) -> Self:
+        """The curve with phase reference and bases at z."""
+        at_first, at_last = (self.scaled_matrix(self.equilibria(z)[end], z, sizes) for end in (0, -1))
+        gauge = Gauge(
+            z.copy(),
+            left_subspace(at_first, self.stable_count, True),
+            left_subspace(at_last, self.unstable_count, False) if self.reversor is None else None,
+            borders(at_first) if self.node else None,
+            dict(self.chosen.vectors),
+        )
+        return replace(self, gauge=gauge)
 
     def linearise(self, z: Array, scale: Array, sizes: Array) -> tuple[Array, Any]:
         """Scaled equations (k,) and their sparse Jacobian (k, k + 1) by `unknowns`."""
@@ -151,17 +153,20 @@ class ConnectionCurve(ConnectionLayout):
     def _in_phase(self, z: Array, sizes: Array, units: Array) -> tuple[Array, Array]:
         """The phase condition (1,) with its row, of length 1."""
         nu = self.nodes(z)
-        assert self.gauge.reference is not None
         phase = self._phase(sizes)
         row = np.zeros((1, len(units)))
         row[0, :nu] = phase * units[:nu]
         size = float(np.linalg.norm(row))
-        return np.array([float(phase @ (z[:nu] - self.gauge.reference[:nu])) / size]), row / size
+        return np.array([float(phase @ (z[:nu] - self._reference[:nu])) / size]), row / size
+
+    @property
+    def _reference(self) -> Array:
+        assert self.chosen.reference is not None, "the curve is not settled"
+        return self.chosen.reference
 
     def _phase(self, sizes: Array) -> Array:
         """Weights of the phase condition at the nodes, (nu,)."""
-        assert self.gauge.reference is not None
-        old = self.profile(self.gauge.reference)
+        old = self.profile(self._reference)
         scheme, m = basis(old.m), old.m
         nodes = np.arange(old.intervals)[:, None] * m + np.arange(m + 1)
         along = np.einsum("c,cj,cq->jq", scheme.gauss_weights, scheme.values, scheme.slopes)

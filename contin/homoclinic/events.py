@@ -72,7 +72,7 @@ def tests_at(
         return tests, values
     tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
     tests[6:12] = spectral_tests(values if curve.saddles == 1 else np.empty(0, complex), leave, arrive)
-    memory, profile = curve.gauge.vectors, curve.profile(z)
+    memory, profile = curve.chosen.vectors, curve.profile(z)
     away, home = flips.ends_of_orbit(profile, curve.termini(z), sizes)
     first = last = None  # of the adjoint solution where it is accurate
     if adjoint is not None and curve.saddles == 1:

@@ -20,7 +20,6 @@ from contin.abi import Array
 from contin.continuation.march import correct
 from contin.continuation.problem import Failure
 from contin.errors import InputError, NoSolutionError
-from contin.homoclinic.connection_layout import Gauge
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.interval import Reach, distances, fitted
 from contin.homoclinic.projections import arriving_parts
@@ -65,13 +64,12 @@ def brought_home(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) 
 def _in_the_stable_eigenspace(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
     """Step 1; the result has q in its place again."""
     persists = len(curve.slots) == 1
-    curve.settle(z, sizes)
-    missed = arriving_parts(curve, z, sizes)
+    missed = arriving_parts(curve.settled(z, sizes), z, sizes)
     base = curve.orbits.base.copy()
     if not persists:
         base[curve.second] = z[-2]
     own, slots = replace(curve.orbits, base=base), (-2,) if persists else (-2, -1)
-    moving = replace(curve, orbits=own, aim=missed, slots=slots, gauge=Gauge())
+    moving = replace(curve, orbits=own, aim=missed, slots=slots, gauge=None)
     q, z = float(z[-2]), z.copy()
     z[-2] = 1.0
     problem = ConnectionProblem(moving)
@@ -83,6 +81,7 @@ def _in_the_stable_eigenspace(curve: ConnectionCurve, z: Array, sizes: Array) ->
     except InputError as error:
         raise StepFailed(f"step 1 of the homotopy cannot begin: {error}") from None
     tangent = -tangent if tangent[-2] > 0.0 else tangent
+    problem = problem.settled(z, scale)
     length, began = FIRST, float(z[-1])
     for _ in range(STEPS):
         found = correct(problem, z, tangent, length, length * tangent, scale, TOLERANCE)
@@ -101,7 +100,7 @@ def _in_the_stable_eigenspace(curve: ConnectionCurve, z: Array, sizes: Array) ->
         tangent, z = _tangent(found), found.z
         if z[-2] > FAR or abs(z[-1] - began) > FAR * first:
             break
-        problem.settle(z, scale)
+        problem = problem.settled(z, scale)
         length = min(LARGEST, 1.5 * length) if found.iterations <= EASY else length
     raise StepFailed(
         f"step 1 of the homotopy (bringing the trajectory's end into the "
@@ -135,7 +134,6 @@ def _lengthened(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
         h = choose_mesh(profile, sizes, curve.orbits.tolerance, curve.orbits.intervals).h
         longer = curve.join(profile.on_mesh(h), curve.equilibria(longer), float(longer[-2]))
         scale = problem.initial_scale(longer, UNBOUNDED)
-        curve.settle(longer, curve.orbits.state_sizes(profile))
         solved = problem.at_held(longer, scale)
         if solved is None:
             break

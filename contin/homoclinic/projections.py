@@ -53,8 +53,8 @@ def _conditions(curve: ConnectionLayout, z: Array, sizes: Array, stable: Array, 
         arriving = arriving - z[-2] * curve.aim
     conditions = [stable.T @ start, arriving]
     if curve.node:
-        assert curve.gauge.borders is not None
-        conditions.append(np.array([fold_scalar(curve.scaled_matrix(ends[0], z, sizes), *curve.gauge.borders)]))
+        assert curve.chosen.borders is not None
+        conditions.append(np.array([fold_scalar(curve.scaled_matrix(ends[0], z, sizes), *curve.chosen.borders)]))
     return np.concatenate(conditions)
 
 
@@ -88,13 +88,13 @@ def linearised_projections(curve: ConnectionLayout, z: Array, sizes: Array, unit
     by_first[leaving] = stable.T / sizes
     by_saddles[leaving, :n] -= by_first[leaving]
     changes = [_changes(curve, u, z, sizes, units) for u in ends]
-    turning_ends = [(leaving, stable, curve.gauge.stable, start, 0)]
+    turning_ends = [(leaving, stable, curve.chosen.stable, start, 0)]
     if curve.reversor is not None:
         by_last[arriving] = curve.reversor.rows / curve.reversor.lengths(sizes)[:, None]
     else:
         by_last[arriving] = unstable.T / sizes
         by_saddles[arriving, -n:] -= by_last[arriving]
-        turning_ends.append((arriving, unstable, curve.gauge.unstable, finish, -1))
+        turning_ends.append((arriving, unstable, curve.chosen.unstable, finish, -1))
     for rows, basis, reference, offset, k in turning_ends:
         moved = turned(curve.scaled_matrix(ends[k], z, sizes).T, basis, reference, changes[k].transpose(0, 2, 1))
         turning = np.einsum("cij,i->jc", moved, offset)
@@ -110,7 +110,7 @@ def linearised_projections(curve: ConnectionLayout, z: Array, sizes: Array, unit
 def basis_at(curve: ConnectionLayout, u: Array, z: Array, sizes: Array, stable: bool) -> Array:
     """L_s or L_u, (n, count), at a state, scaled by the reference."""
     count = curve.stable_count if stable else curve.unstable_count
-    reference = curve.gauge.stable if stable else curve.gauge.unstable
+    reference = curve.chosen.stable if stable else curve.chosen.unstable
     return left_subspace(curve.scaled_matrix(u, z, sizes), count, stable, reference)
 
 
@@ -150,8 +150,8 @@ def _fold(
     curve: ConnectionLayout, u: Array, z: Array, sizes: Array, units: Array, by_saddles: Array, by_parameters: Array
 ) -> None:  # fmt: skip
     """The last rows, of the fold: by differences."""
-    assert curve.gauge.borders is not None
-    borders = curve.gauge.borders
+    assert curve.chosen.borders is not None
+    borders = curve.chosen.borders
     for k in range(curve.n):
         step = np.zeros(curve.n)
         step[k] = STEP * float(sizes[k])

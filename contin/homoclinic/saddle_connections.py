@@ -35,7 +35,21 @@ if TYPE_CHECKING:
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
+BESIDE = 1e-3  # (arclength) from an orbit at which the corrector failed to others, which may cross a surface
 ALIKE = 1e-6  # relative distance of parameters below which two points are one
+
+
+@dataclass(frozen=True, eq=False)
+class LinearisedConnection(Factorised):
+    """With what the bounded solution of the adjoint variational equation, and with it the tests, are found from."""
+
+    problem: ConnectionProblem
+    jacobian: csc_matrix
+    sizes: Array
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """See `contin.continuation.march.Telling`."""
+        return self.problem.stability_with(z, self.sizes, self.problem.adjoint(self.jacobian, z))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,24 +74,21 @@ class ConnectionProblem(CurveOfConnections):
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
-    def settle(self, z: Array, scale: Array) -> None:
-        self.curve.settle(z, self.sizes(z, scale))
+    def settled(self, z: Array, scale: Array) -> Self:
+        return replace(self, curve=self.curve.settled(z, self.sizes(z, scale)))
 
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
-        met = surface_met(self.curve, z)
-        if met is not None:
-            self._last["surface"] = met
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> LinearisedConnection | None:
+        if surface_met(self.curve, z) is not None:
             return None
-        self._last.pop("surface", None)
         sizes = self.sizes(z, scale)
-        if self.curve.gauge.reference is None:
-            self.curve.settle(z, sizes)
         try:
             equations, jacobian = self.curve.linearise(z, scale, sizes)
         except (np.linalg.LinAlgError, ValueError):  # no step: the curve ends, in words
             return None
-        self._last["now"] = (z, jacobian, sizes)
-        return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
+        found = factorised(equations, jacobian, self.curve.unknowns(z), tangent)
+        if found is None:
+            return None
+        return LinearisedConnection(found.equations, found.factors, found.where, found.size, self, jacobian, sizes)
 
     def again_in(self, scale: Array) -> python_march.Again:
         def again(here: python_march.Linearisation, z: Array) -> Factorised | None:
@@ -93,30 +104,34 @@ class ConnectionProblem(CurveOfConnections):
         return again
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Without the tests that need the adjoint solution, which a linearisation has."""
+        return self.stability_with(z, self.sizes(z, self.initial_scale(z, self.first_bounds)), None)
+
+    def stability_with(
+        self, z: Array, sizes: Array, adjoint: Array | None
+    ) -> tuple[Array, int, NDArray[np.complex128]]:
         """Tests from index 2 on, dimension of the saddle's unstable manifold, eigenvalues of the saddle."""
-        _, jacobian, sizes = self._last["now"]
         try:
-            tests, values = events.tests_at(self.curve, z, sizes, self._adjoint(jacobian, z))
-        except (np.linalg.LinAlgError, ValueError) as error:
-            self._last.setdefault("untested", []).append(str(error))
+            tests, values = events.tests_at(self.curve, z, sizes, adjoint)
+        except (np.linalg.LinAlgError, ValueError):  # which `remarks` tells
             return np.full(len(tests_of_connections()), np.nan), 0, np.full(self.curve.n, np.nan, complex)
         return tests, self._unstable(values), values
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """Where the tests of this curve could not be computed."""
-        failures = self._last.get("untested", [])
-        if not failures:
+        untested = np.flatnonzero(np.isnan(eigenvalues).all(axis=1))
+        if not untested.size:
             return ()
         return (
-            f"the tests of this curve of connecting orbits could not be computed at {len(failures)} of its points "
-            f"({failures[0]}): special points there are not told",
+            f"the tests of this curve of connecting orbits could not be computed at {untested.size} of its points (the "
+            f"first one at {self.place(z[untested[0]])}): special points there are not told",
         )
 
     def _unstable(self, values: NDArray[np.complex128]) -> int:
         """Without the zero eigenvalue of a saddle-node, whose rounding has a sign."""
         return self.curve.unstable_count if self.curve.node else int(np.sum(values.real > 0.0))
 
-    def _adjoint(self, jacobian: csc_matrix, z: Array) -> Array | None:
+    def adjoint(self, jacobian: csc_matrix, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
         if self.curve.node or self.isolated or self.curve.reversor is not None:
             return None
@@ -136,9 +151,9 @@ class ConnectionProblem(CurveOfConnections):
         scale = self.scale_for(profile.h, sizes, *self.widths(z, UNBOUNDED))
         row = np.zeros(z.size)
         row[-1] = 1.0
-        own = replace(self, curve=replace(self.curve, gauge=Gauge()), _last={})  # whose reference is z
+        own = replace(self, curve=replace(self.curve, gauge=None)).settled(z, scale)  # whose reference is z
         here = own.linearisation(z, row, scale)
-        found = None if here is None else own._adjoint(own._last["now"][1], z)
+        found = None if here is None else own.adjoint(here.jacobian, z)
         if found is None:
             raise NoSolutionError("the adjoint solution of the homoclinic orbit is not determined")
         return np.array([np.interp(s, profile.gauss_times, column) for column in found.T])
@@ -157,14 +172,17 @@ class ConnectionProblem(CurveOfConnections):
         return self._refined(sample, frame)
 
     def _refined(self, sample: Sample, frame: Frame) -> tuple[Self, Sample, Frame] | None:
-        curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)), doubting=True)
+        known = Gauge(vectors=self.curve.gauged(frame.gauge).chosen.vectors)  # what signs refer to
+        curve = replace(self.curve, doubting=True).gauged(known)
         sizes = self.sizes(sample.z, frame.scale)
         z = fitted(curve, sample.z, sizes, farther(curve))
         h = np.repeat(0.5 * curve.profile(z).h, 2)
         scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
-        finer = replace(self, curve=curve, _last={})
+        finer = replace(self, curve=curve)
         start = finer._on_interval(z, sample, scale, h, Settings())
-        return None if start is None else (finer, start.origin, Frame(scale))
+        if start is None:
+            return None
+        return finer, start.origin, Frame(scale, gauge=finer.settled(start.origin.z, scale).curve.gauge)
 
     def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
         """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
@@ -200,7 +218,6 @@ class ConnectionProblem(CurveOfConnections):
         if short:
             return self._on_interval(z, origin, renewed, chosen.h, settings) or Renewal(scale, origin, before, None)
         here = self._moved(origin, scale, renewed, chosen.h)
-        self.curve.settle(here.z, grown)
         corrected = self.probe(here, 0.0, here.z, Frame(renewed), settings)
         if corrected is not None:
             sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
@@ -275,10 +292,22 @@ class ConnectionProblem(CurveOfConnections):
             columns["saddle_node"] = np.ones(len(z), bool)
         return columns
 
+    def _surface_ahead(self, z: Array) -> str | None:
+        """The surface that orbits just beside z on the curve cross; None where there is none."""
+        met = surface_met(self.curve, z)
+        if met is not None or not self.curve.system.n_switches:
+            return met
+        scale = self.initial_scale(z, self.first_bounds)
+        try:
+            (tangent,) = self.tangents(z, scale)
+        except InputError:  # nothing is known of what is beside it
+            return None
+        either = (surface_met(self.curve, z + side * BESIDE * scale * tangent) for side in (1.0, -1.0))
+        return next((text for text in either if text is not None), None)
+
     def describe_failure(self, z: Array) -> str:
-        if "surface" in self._last:
-            return why_not(self._last["surface"])
-        return (
+        met = self._surface_ahead(z)
+        return why_not(met) if met is not None else (
             "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
             "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
         )

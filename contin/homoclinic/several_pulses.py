@@ -16,7 +16,6 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import ContinError, InputError, NoSolutionError
-from contin.homoclinic.connection_layout import Gauge
 from contin.homoclinic.from_table import laid
 from contin.homoclinic.interval import piece_of
 from contin.homoclinic.lins_method import Pieces, Section
@@ -172,7 +171,7 @@ class Pulses:
         t, u = pieces.whole()
         parameter = float(pieces.p[curve.first])
         orbit = laid(t, u, pieces.sizes, parameter)
-        seed = solved_connection(replace(curve, gauge=Gauge()), orbit, pieces.saddle[None], float(self.z[-2]), None)
+        seed = solved_connection(replace(curve, gauge=None), orbit, pieces.saddle[None], float(self.z[-2]), None)
         found = seed.problem.profile(seed.z)  # type: ignore[attr-defined]
         turns = passages(found, pieces)
         if turns != self.count:

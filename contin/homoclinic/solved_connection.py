@@ -38,7 +38,6 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
     for rounds_left in range(ROUNDS - 1, -1, -1):
         profile = curve.profile(z)
         scale = problem.scale_for(profile.h, sizes, first, second)
-        curve.settle(z, sizes)
         solved = problem.at_held(z, scale)
         if solved is None and curve.node:  # folds that the first parameter does not move
             solved = problem.at_unknown(-1, z, piece.parameter, scale)

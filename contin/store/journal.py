@@ -224,6 +224,8 @@ def packed(chunk: Chunk) -> tuple[Fields, bytes]:
     arrays: dict[str, list[object]] = {}
     data = []
     for field in fields(chunk):
+        if field.name == "gauge":
+            continue
         value = getattr(chunk, field.name)
         if isinstance(value, np.ndarray):
             whole = np.ascontiguousarray(value)

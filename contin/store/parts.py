@@ -16,7 +16,7 @@ from typing import Any, Final
 class Part:
     """Where a class is; its fields that are `made` anew; where `by` is given, the function that makes it from others.
 
-    name : of the class, where it is not the part's own.
+    name : of the class, where it is not the part's own.  gone : fields of older files that nothing needs any more.
     """
 
     module: str
@@ -24,6 +24,13 @@ class Part:
     by: str = ""
     of: tuple[str, ...] = ()
     name: str = ""
+    gone: tuple[str, ...] = ()
+
+
+class Gone:
+    """A part of older files that nothing needs any more."""
+
+    def __init__(self, **fields: object) -> None: ...
 
 
 PARTS: Final[Mapping[str, Part]] = {
@@ -54,37 +61,37 @@ PARTS: Final[Mapping[str, Part]] = {
     "Measures": Part("contin.problems.orbits.measured.measures"),
     # curves of points of equilibria and maps
     "LocusProblem": Part("contin.loci.equilibria.equilibrium_locus"),
-    "ExtendedCurve": Part("contin.loci.equilibria.extended"),
-    "GaugeOfExtended": Part("contin.loci.equilibria.extended", name="_Gauge"),
-    "BorderedCurve": Part("contin.loci.equilibria.bordered"),
-    "MemoryOfBordered": Part("contin.loci.equilibria.bordered", name="_Memory"),
-    "BordersOfBordered": Part("contin.loci.equilibria.bordered", name="_Borders"),
+    "ExtendedCurve": Part("contin.loci.equilibria.extended", made=("gauge",), gone=("_gauge",)),
+    "GaugeOfExtended": Part("contin.store.parts", name="Gone"),
+    "BorderedCurve": Part("contin.loci.equilibria.bordered", made=("gauge",), gone=("_memory",)),
+    "MemoryOfBordered": Part("contin.store.parts", name="Gone"),
+    "BordersOfBordered": Part("contin.store.parts", name="Gone"),
     # curves of orbits
     "OrbitLocusProblem": Part("contin.loci.orbits.orbit_locus"),
-    "OrbitCurve": Part("contin.problems.orbits.special_orbits.curve", made=("_works",)),
-    "HeldCurve": Part("contin.problems.orbits.special_orbits.held_parameter", made=("_works",)),
+    "OrbitCurve": Part("contin.problems.orbits.special_orbits.curve", made=("gauge", "_works")),
+    "HeldCurve": Part("contin.problems.orbits.special_orbits.held_parameter", made=("gauge", "_works")),
     "SamePeriodProblem": Part("contin.loci.orbits.isoperiodic"),
-    "PeriodCurve": Part("contin.loci.orbits.isoperiodic"),
+    "PeriodCurve": Part("contin.loci.orbits.isoperiodic", made=("gauge",), gone=("memory",)),
     "ShotLocusProblem": Part("contin.loci.shooting.shot_locus"),
-    "ShootingCurve": Part("contin.loci.shooting.curve", made=("_memory",)),
-    "GrazingCurve": Part("contin.loci.shooting.grazing", made=("_memory",)),
+    "ShootingCurve": Part("contin.loci.shooting.curve", made=("gauge",)),
+    "GrazingCurve": Part("contin.loci.shooting.grazing", made=("gauge", "_formulas")),
     "Touch": Part("contin.loci.shooting.contacts"),
     "ShotPeriodProblem": Part("contin.loci.shooting.isoperiodic"),
-    "ShotPeriodCurve": Part("contin.loci.shooting.isoperiodic"),
-    "ConnectionProblem": Part("contin.homoclinic.saddle_connections", made=("_last",)),
-    "ConnectionCurve": Part("contin.homoclinic.equations"),
+    "ShotPeriodCurve": Part("contin.loci.shooting.isoperiodic", made=("gauge",)),
+    "ConnectionProblem": Part("contin.homoclinic.saddle_connections"),
+    "ConnectionCurve": Part("contin.homoclinic.equations", made=("gauge",), gone=("gauge",)),
     "Reversor": Part("contin.homoclinic.reversor"),
-    "Gauge": Part("contin.homoclinic.equations"),
+    "Gauge": Part("contin.store.parts", name="Gone"),
     # curves on any equations
     "AugmentedCurve": Part("contin.loci.augmented.augmented_curve"),
     "AdaptiveCurve": Part("contin.loci.augmented.adaptive"),
     "EquilibriumBase": Part("contin.loci.augmented.equilibria"),
     "PointBase": Part("contin.loci.augmented.points"),
-    "BoundaryBase": Part("contin.loci.augmented.boundary"),
-    "KeptOnBoundary": Part("contin.loci.augmented.boundary", name="_Kept"),
-    "OrbitBase": Part("contin.loci.augmented.orbits"),
-    "KeptOnOrbits": Part("contin.loci.augmented.orbits", name="_Kept"),
-    "Borders": Part("contin.loci.augmented.singular"),
+    "BoundaryBase": Part("contin.loci.augmented.boundary", made=("chosen",), gone=("_kept",)),
+    "KeptOnBoundary": Part("contin.store.parts", name="Gone"),
+    "OrbitBase": Part("contin.loci.augmented.orbits", made=("chosen",), gone=("_kept",)),
+    "KeptOnOrbits": Part("contin.store.parts", name="Gone"),
+    "Borders": Part("contin.store.parts", name="Gone"),
     "Conditions": Part("contin.loci.augmented.scalars", made=("_formulas",)),
     "Degeneracy": Part("contin.loci.augmented.scalars"),
     "OnOrbits": Part("contin.loci.augmented.of_orbits"),
@@ -106,4 +113,4 @@ def made_of(name: str, fields: Mapping[str, object]) -> Any:
     module = import_module(part.module)
     if part.by:
         return getattr(module, part.by)(*[fields[key] for key in part.of])
-    return getattr(module, part.name or name)(**fields)
+    return getattr(module, part.name or name)(**{key: value for key, value in fields.items() if key not in part.gone})

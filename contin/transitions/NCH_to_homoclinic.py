@@ -19,7 +19,6 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Failure, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.homoclinic.connection_layout import Gauge
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.saddle_connections import ConnectionProblem
 from contin.problems.orbits.ends.saddle_node import critical_direction
@@ -45,7 +44,7 @@ def through_non_central(problem: ConnectionProblem, point: SpecialPoint, paramet
     widths = dict(zip(problem.parameters, point.scale[[-1, -2]], strict=True))
     scale = other.scale_for(profile.h, sizes, *(float(widths[name]) for name in parameters))
     tangent = np.asarray(other.tangents(z, scale)[0])
-    found = python_march.correct(other, z, tangent, 0.0, np.zeros(z.size), scale, NEWTON)
+    found = python_march.correct(other.settled(z, scale), z, tangent, 0.0, np.zeros(z.size), scale, NEWTON)
     if isinstance(found, Failure):
         raise InputError(f"{source}: Newton for the other curve of homoclinic orbits did not converge")
     z = found.z
@@ -72,7 +71,7 @@ def _other(curve: ConnectionCurve, z: Array, parameters: Sequence[str]) -> Conne
         stable, unstable = stable - int(fades), unstable - int(not fades)
     return replace(
         curve, orbits=orbits, second=second, stable_count=stable, unstable_count=unstable, node=not curve.node,
-        gauge=Gauge(),
+        gauge=None,
     )  # fmt: skip
 
 

@@ -155,6 +155,7 @@ def born_by_shooting(seed: Seed, settings: Settings) -> Seed:
     scale = curve.join(nodes.metric(sizes, metric), float(seed.scale[-2]), 1.0)
     d, k = scaled(laid(raw), laid(bend), scale)
     assert k is not None
-    curve.settle(z + scale * (REACH * d + 0.5 * elementary.square(REACH) * k), scale)  # at rest every orbit is special
+    ahead = z + scale * (REACH * d + 0.5 * elementary.square(REACH) * k)  # at rest every orbit is special
+    curve = curve.settled(ahead, scale)
     shot_problem = ShotLocusProblem(curve, second_bounds=problem.second_bounds, first_bounds=problem.first_bounds)
     return replace(seed, problem=shot_problem, z=z, direction=d, curvature=k, scale=scale, reach=REACH)

@@ -91,7 +91,6 @@ def _lies_on(branch: Branch, problem: Any, z: Array, box: Box) -> bool:
     guess = (1.0 - t[row]) * branch.z[row] + t[row] * branch.z[row + 1]
     held = int(np.argmax(np.abs(d[row])))
     value = float(guess[seen[held]] - (a[row] + t[row] * d[row])[held] * scale[held])
-    own.curve.settle(branch.z[row])
     solved = own.at_unknown(int(seen[held]), guess, value, own.initial_scale(z, box[0]))
     if solved is None:
         return False

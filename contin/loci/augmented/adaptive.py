@@ -73,7 +73,7 @@ class AdaptiveCurve(AugmentedCurve):
         if not isinstance(found, Verified):
             return found
         sample, finer = self.finer(replace(near, z=found.z), frame)
-        again = events.verify(self, type_, sample, finer)
+        again = events.verify(self.beside(sample.z, finer), type_, sample, finer)
         if not isinstance(again, Verified):
             return unverified(type_, "it is not there on a mesh of twice as many intervals")
         return replace(found, error=found.error + ORDER * abs(float(again.z[-1] - found.z[-1])))

@@ -57,8 +57,8 @@ class AugmentedCurve(CurveEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: Bounds, settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.base.settle(origin.z)
-        near = self.near(origin.z, frame.scale)
+        own = replace(self, base=self.base.gauged(frame.gauge).settled(origin.z, frame.scale))
+        near = own.near(origin.z, frame.scale)
         if near is None:
             return _failed(origin, step)
         limit = min(limit, self.maximum_chunk)
@@ -68,10 +68,10 @@ class AugmentedCurve(CurveEquations):
             near, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self
         )
         chunk.tests[:, :TURNS] = 1.0
-        return chunk
+        return replace(chunk, gauge=own.base.gauge)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        near = self.near(base.z, frame.scale)
+        near = self.beside(base.z, frame).near(base.z, frame.scale)
         found = None if near is None else python_march.probe(near, base, length, guess, frame, settings)
         if found is not None:
             found.tests[:TURNS] = 1.0
@@ -81,10 +81,10 @@ class AugmentedCurve(CurveEquations):
         return self.base.explain(self.type, a, b)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        return events.verify(self, type_, near, frame)
+        return events.verify(self.beside(near.z, frame), type_, near, frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        return events.verify_compound(self, a, b, frame)
+        return events.verify_compound(self.beside(a.z, frame), a, b, frame)
 
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         return self.base.finite(z, values)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +63,23 @@ class Base(ABC):
     def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
         """The metric; ranges of the parameters, the last unknown first."""
 
-    def settle(self, z: Array) -> None:  # noqa: B027 - most have no borders
-        """Renew borders, upon which nothing depends but the signs of tests."""
+    @property
+    def gauge(self) -> Any:
+        """What is chosen for a stretch of a curve (borders, the orbit of a phase condition); most have nothing."""
+        return None
+
+    @property
+    def is_settled(self) -> bool:
+        """True where all is chosen that there is to choose."""
+        return True
+
+    def gauged(self, gauge: Any) -> Self:
+        """The same equations with what was chosen elsewhere, if anything was."""
+        return self
+
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The same equations with borders that fit at z, upon which nothing depends but the signs of tests."""
+        return self
 
     @abstractmethod
     def linearise(self, z: Array, scale: Array, rows: Array) -> Bordered | None:

@@ -6,9 +6,9 @@ z = (u at the nodes, 1, mesh, [unfolding of branch points], parameters, the last
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Sample
 from contin.linalg.csc import scaled_columns, with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
-from contin.loci.augmented.meshed import MeshedBase, trimmed
+from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed
 from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 
@@ -33,20 +33,11 @@ if TYPE_CHECKING:
 CUSP = 2  # place of the test of cusps among those of a sample
 
 
-@dataclass(eq=False)
-class _Kept:
-    """Borders on the mesh they were made on."""
-
-    mesh: Array = field(default_factory=lambda: np.zeros(0))
-    borders: Borders | None = None
-
-
 @dataclass(frozen=True, eq=False)
 class BoundaryBase(MeshedBase[BoundaryProblem]):
     """`type` is LP or BP."""
 
     type: str = ""
-    _kept: _Kept = field(default_factory=_Kept)
 
     has_stability = False
 
@@ -72,12 +63,10 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
     def names(self) -> tuple[str, ...]:
         return tuple(self.problem.two.parameters[place] for place in self.places)
 
-    def settle(self, z: Array) -> None:
-        if self.type:
-            self._borders(z, self._unit(z), anew=True)
-
-    def _unit(self, z: Array) -> Array:
-        return np.ones(z.size)
+    def settled(self, z: Array, scale: Array) -> Self:
+        mesh = self.profile(z).h
+        own = self._fitting(z, mesh, np.ones(z.size)) if self.type else None
+        return replace(self, chosen=Chosen(mesh, own, np.zeros(0)))
 
     def linearise(self, z: Array, scale: Array, rows: Array) -> SparseBordered | None:
         where = self.where(z)
@@ -111,24 +100,24 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         """Its place among (u, [unfolding], parameters)."""
         return [self.profile(z).u.size] if self.extra else []
 
-    def _borders(self, z: Array, scale: Array, anew: bool = False) -> Borders:
-        """Those of the last mesh, while it is the same."""
+    def _borders(self, z: Array, scale: Array) -> Borders:
+        """Those chosen, where they are of this mesh."""
         mesh = self.profile(z).h
-        kept = self._kept
-        if anew:
-            kept.mesh = np.zeros(0)
-        if kept.borders is None or not np.array_equal(kept.mesh, mesh):
-            where = np.delete(self.where(z), self._unfolding(z))
-            on_mesh = _OnMesh(self, mesh, z, scale[where])
-            here = on_mesh.at(z[where] / scale[where])
-            if here is None:
-                raise FloatingPointError("the equations are not finite where a curve is to be followed")
-            found = null_vectors(critical(here[1], here[1].shape[0], self.extra == 1), 1 + self.extra)
-            old, n = kept.borders, self.problem.n
-            if old is not None and float(_sums(found.left, n) @ _sums(old.left, n)) < 0.0:
-                found = Borders(-found.left, found.right)
-            kept.mesh, kept.borders = mesh.copy(), found
-        return kept.borders
+        known = None if self.chosen is None else self.chosen.borders_on(mesh)
+        return self._fitting(z, mesh, scale) if known is None else known
+
+    def _fitting(self, z: Array, mesh: Array, scale: Array) -> Borders:
+        """Borders that fit at z, with the sense of those chosen before."""
+        where = np.delete(self.where(z), self._unfolding(z))
+        on_mesh = _OnMesh(self, mesh, z, scale[where])
+        here = on_mesh.at(z[where] / scale[where])
+        if here is None:
+            raise FloatingPointError("the equations are not finite where a curve is to be followed")
+        found = null_vectors(critical(here[1], here[1].shape[0], self.extra == 1), 1 + self.extra)
+        old, n = None if self.chosen is None else self.chosen.borders, self.problem.n
+        if old is not None and float(_sums(found.left, n) @ _sums(old.left, n)) < 0.0:
+            found = Borders(-found.left, found.right)
+        return found
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         tests = np.zeros(0)

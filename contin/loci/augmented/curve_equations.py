@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Problem
+from contin.continuation.problem import Frame, Problem
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.elimination import Augmented, Scalars, first_rows, null_space, orthonormal
 
@@ -145,16 +145,22 @@ class CurveEquations(Problem):
 
     def near(self, z: Array, scale: Array, more: tuple[Held, ...] = ()) -> Near | None:
         """The curve with border rows and scalars that are good near z; None where its equations have no value."""
-        rows = first_rows(self.base.varying - self.base.conditions, z.size)
+        base = self.base if self.base.is_settled else self.base.settled(z, scale)
+        rows = first_rows(base.varying - base.conditions, z.size)
         for _ in range(ROUNDS):
-            here = self.base.linearise(z, scale, rows)
+            here = base.linearise(z, scale, rows)
             if here is None or here.sign == 0.0:
                 return None
             found = null_space(here, len(rows))
             if not np.all(np.isfinite(found)):
                 return None
             rows = orthonormal(found.T)
-        return Near(self, self.base, rows, joined((*self.held, *more), self, z, scale))
+        return Near(self, base, rows, joined((*self.held, *more), self, z, scale))
+
+    def beside(self, z: Array, frame: Frame) -> Self:
+        """The curve as it is looked at next to a chunk; where there is none, next to z."""
+        base = self.base.gauged(frame.gauge)
+        return replace(self, base=base if base.is_settled else base.settled(z, frame.scale))
 
     def test_of(self, type_: str) -> int | None:
         return self.base.test_of(self.type, type_)

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 
 from contin.abi import Array
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.singular import Borders
 from contin.model.model import Model
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.scales import parameter_width
@@ -41,6 +42,19 @@ P = TypeVar("P", bound=OfSolutions)
 
 
 @dataclass(frozen=True, eq=False)
+class Chosen:
+    """For a stretch of a curve: borders on a mesh, and the solution that a phase condition refers to."""
+
+    mesh: Array
+    borders: Borders | None
+    reference: Array
+
+    def borders_on(self, mesh: Array) -> Borders | None:
+        """None where they are of another mesh."""
+        return self.borders if np.array_equal(self.mesh, mesh) else None
+
+
+@dataclass(frozen=True, eq=False)
 class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
     """problem : of the solutions, the first parameter active.  places : of the varying parameters, the last unknown
     first, among those of `problem`.  type : of the special solutions, or "" for solutions themselves.
@@ -49,6 +63,18 @@ class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
     problem: P
     places: tuple[int, ...]
     type: str
+    chosen: Chosen | None = None
+
+    @property
+    def gauge(self) -> Any:
+        return self.chosen
+
+    @property
+    def is_settled(self) -> bool:
+        return self.chosen is not None
+
+    def gauged(self, gauge: Any) -> Self:
+        return self if gauge is None else replace(self, chosen=gauge)
 
     @property
     @abstractmethod

@@ -6,8 +6,8 @@ z = (u at the nodes, T, mesh, [unfolding of branch points], parameters, the last
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.continuation.problem import Outcome, Sample, Verified
 from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
-from contin.loci.augmented.meshed import MeshedBase, trimmed
+from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed
 from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 from contin.problems.conditioned.under_conditions import product_of
@@ -37,20 +37,9 @@ MOVED: Final = (1, 1, 2)
 REAL: Final = 1e-9
 
 
-@dataclass(eq=False)
-class _Kept:
-    """Borders and the orbit that the phase refers to, on the mesh they were made on."""
-
-    mesh: Array = field(default_factory=lambda: np.zeros(0))
-    borders: Borders | None = None
-    reference: Array = field(default_factory=lambda: np.zeros(0))
-
-
 @dataclass(frozen=True, eq=False)
 class OrbitBase(MeshedBase[OrbitProblem]):
     """`type` is LPC, BPC or PD."""
-
-    _kept: _Kept = field(default_factory=_Kept)
 
     @property
     def model(self) -> Model:
@@ -74,15 +63,22 @@ class OrbitBase(MeshedBase[OrbitProblem]):
     def names(self) -> tuple[str, ...]:
         return tuple(self.system.parameter_names[place] for place in self.places)
 
-    def settle(self, z: Array) -> None:
-        self._kept.mesh, self._kept.reference = np.zeros(0), self.inner(z)
+    def settled(self, z: Array, scale: Array) -> Self:
+        """With z as the orbit that the phase refers to."""
+        chosen = Chosen(self.profile(z).h, None, self.inner(z))
+        own = replace(self, chosen=chosen)
+        on_mesh = _OnMesh(own, z, scale)
+        here = on_mesh.at(on_mesh.unknowns(z)) if self.type else None
+        if here is None:
+            return own
+        return replace(own, chosen=replace(chosen, borders=own._borders(z, own._critical(here[1], z))))
 
     def _linear(self, z: Array, scale: Array, place: int) -> OrbitLinear:
         """The orbit's equations with the parameter at `place` among the unknowns as the last one."""
         index = -1 - self.places.index(place)
         problem, inner, metric = replace(self.at(z), active=place), self.inner(z), self.inner(scale)
         inner[-1], metric[-1] = z[index], scale[index]
-        kept = self._kept.reference
+        kept = inner if self.chosen is None else self.chosen.reference
         same = kept.size == inner.size and np.array_equal(problem.profile(kept).h, self.profile(z).h)
         return OrbitLinear(problem, inner, metric, kept if same else inner)
 
@@ -134,12 +130,9 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         return SparseBordered(np.concatenate([f, found.values, np.zeros(still)]), whole, where, z.size)
 
     def _borders(self, z: Array, own: csc_matrix) -> Borders:
-        """Those of the last mesh, while it is the same; with them the orbit that the phase refers to."""
-        kept, mesh = self._kept, self.profile(z).h
-        if kept.borders is None or not np.array_equal(kept.mesh, mesh):
-            kept.borders, kept.mesh = null_vectors(own, 1 + self.extra), mesh.copy()
-            kept.reference = self.inner(z)
-        return kept.borders
+        """Those chosen, where they are of this mesh."""
+        known = None if self.chosen is None else self.chosen.borders_on(self.profile(z).h)
+        return null_vectors(own, 1 + self.extra) if known is None else known
 
     # -- stability -----------------------------------------------------------------------------------------------------
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,8 +90,19 @@ class PointBase(Base):
         size = natural if np.isinf(ends[0]) and abs(value) <= SMALL * natural else value
         return parameter_width(self.system.model, name, size, ends)
 
-    def settle(self, z: Array) -> None:
-        self.locus.curve.settle(z)
+    @property
+    def gauge(self) -> Any:
+        return self.locus.curve.gauge
+
+    @property
+    def is_settled(self) -> bool:
+        return self.gauge is not None
+
+    def gauged(self, gauge: Any) -> Self:
+        return replace(self, locus=replace(self.locus, curve=self.locus.curve.gauged(gauge)))
+
+    def settled(self, z: Array, scale: Array) -> Self:
+        return self.gauged(self.locus.curve.settled(z, scale).gauge)
 
     def linearise(self, z: Array, scale: Array, rows: Array) -> DenseBordered | None:
         f, jacobian = self.locus.curve.linearise(z)

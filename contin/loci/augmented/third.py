@@ -74,17 +74,17 @@ def _critical(problem: LocusProblem, curve: str, z: Array, values: Vector) -> li
 def _value(problem: LocusProblem, curve: str, name: str, z: Array) -> float:
     """A test along the curve, NaN where it has no value."""
     try:
-        return _own(problem, curve, name)(z)
+        return _own(problem, curve, name, z)(z)
     except NO_FORM:  # a test without a value has no sign: nothing is labelled by it there, and the curve goes on
         return float("nan")
 
 
-def _own(problem: LocusProblem, curve: str, name: str) -> Callable[[Array], float]:
+def _own(problem: LocusProblem, curve: str, name: str, near: Array) -> Callable[[Array], float]:
     """A degeneracy of the normal form as a function near the curve, oriented by the curve's borders."""
     if (curve, name) == ("CP", "SW"):
-        return _with_borders(problem, lambda z, v, psi, solve: _cubic(problem, z, v, psi, solve))
+        return _with_borders(problem, near, lambda z, v, psi, solve: _cubic(problem, z, v, psi, solve))
     if (curve, name) == ("CP", "BT"):
-        return _with_borders(problem, lambda z, v, psi, solve: float(psi @ v))
+        return _with_borders(problem, near, lambda z, v, psi, solve: float(psi @ v))
     if name.startswith("DBT"):
         return lambda z: _jordan(problem, z)[name.endswith(":b")]
     if name == "DGH":
@@ -96,10 +96,10 @@ Solve = Callable[[Array], Array]
 
 
 def _with_borders(
-    problem: LocusProblem, value: Callable[[Array, Array, Array, Solve], float]
+    problem: LocusProblem, near: Array, value: Callable[[Array, Array, Array, Solve], float]
 ) -> Callable[[Array], float]:
     """value(z, v, psi, A^-1) from [A b; c^T 0] with the curve's own borders."""
-    borders, n = problem.curve.parameters(np.zeros(0)), problem.n
+    borders, n = problem.curve.parameters(near), problem.n
     shift = np.eye(n) if problem.system.kind == "map" else 0.0
 
     def function(z: Array) -> float:
@@ -138,7 +138,7 @@ def _form(problem: LocusProblem, type_: str, z: Array) -> NormalForm:
 def _jordan(problem: LocusProblem, z: Array) -> tuple[float, float]:
     """a and b of a Bogdanov-Takens point, with q0 along the curve's border."""
     found = normal_form("BT", jet_at(problem, z))
-    along = float(np.asarray(found.vectors["q0"]) / problem.curve.sizes @ problem.curve.reference())
+    along = float(np.asarray(found.vectors["q0"]) / problem.curve.sizes @ problem.curve.reference(z))
     sense = 1.0 if along > 0.0 else -1.0
     return sense * float(found.coefficients["a"]), sense * float(found.coefficients["b"])
 
@@ -148,7 +148,7 @@ def _hessian(problem: LocusProblem, z: Array) -> tuple[float, float]:
     form = branch_point(jet_at(problem, z, (problem.curve.first,)))
     found = form.coefficients
     a02, b11, b20 = (float(found[key]) for key in ("a02", "b11", "b20"))
-    along = float(np.asarray(form.vectors["q"]) / problem.curve.sizes @ problem.curve.reference())
+    along = float(np.asarray(form.vectors["q"]) / problem.curve.sizes @ problem.curve.reference(z))
     return a02 * b20 - elementary.square(b11), b20 if along > 0.0 else -b20
 
 
@@ -167,7 +167,7 @@ def explain(curve: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
 def function_of(problem: LocusProblem, curve: str, name: str, z0: Array) -> Scalars | str:
     """The function that vanishes at a point on a curve; or why there is none."""
     if name in ("SW", "BT", "DGH") or name.startswith(("DBT", "DBP")):
-        own = _own(problem, curve, name)
+        own = _own(problem, curve, name, z0)
 
         def value(z: Array) -> Array:
             try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -75,8 +75,8 @@ class _BranchPoints:
 def _branch_points(problem: CurveOfPoints, u: Array, p: Array) -> _BranchPoints:
     other = problem.of_type("BP", p)
     start = other.curve.place(u, p, 0.0)
-    other.curve.settle(start)
-    return _BranchPoints(other, start)
+    settled = other.curve.settled(start, other.initial_scale(start, problem.first_bounds))
+    return _BranchPoints(replace(other, curve=settled), start)
 
 
 def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float] | None:

@@ -47,7 +47,7 @@ def tests_at(problem: CurveOfPoints, z: Array) -> tuple[Array, int, NDArray[np.c
         size = elementary.square(float(np.linalg.norm(matrix)))
         sign = _lyapunov(problem, z) * np.sign(product) if kappa > BESIDE_BT * size else 0.0
         return np.array([kappa / size, product, pairs, sign]), unstable, values
-    v, psi = null_pair(matrix, problem.curve.reference())
+    v, psi = null_pair(matrix, problem.curve.reference(z))
     if problem.locus == "BP":
         return np.array([degenerate.test(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
     return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
@@ -100,7 +100,7 @@ def _map_tests(problem: CurveOfPoints, z: Array, matrix: Array, others: Any) -> 
             cosine,
         ])  # fmt: skip
     shift = -1.0 if problem.locus == "PD" else 1.0
-    v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve.reference())
+    v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve.reference(z))
     if problem.locus == "LP":
         leading = quadratic(problem, z, v, psi)
     elif problem.locus == "PD":

@@ -12,9 +12,9 @@ theta), and for BP the matrix [F_u F_s] with s a direction across the curve (Gri
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,18 +30,13 @@ FORCED = 1e-9  # of the largest rate: an unfolding parameter below this is zero
 
 
 @dataclass(frozen=True, eq=False)
-class _Borders:
+class Borders:
     """B (rows, k), C (columns, j), the direction across a curve of branch points, and the unfolding's direction."""
 
     left: Array
     right: Array
     across: Array
     beta: Array
-
-
-@dataclass(eq=False)
-class _Memory:
-    borders: _Borders | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +53,7 @@ class BorderedCurve:
     second: int
     sizes: Array
     more: tuple[int, ...] = ()  # places of further parameters that vary, the last unknown first
-    _memory: _Memory = field(default_factory=_Memory)
+    gauge: Borders | None = None
 
     compiled = False
 
@@ -133,15 +128,25 @@ class BorderedCurve:
 
     # -- the equations ------------------------------------------------------------------------------------------------
 
-    def parameters(self, z: Array) -> _Borders:
-        """Borders for work near z: those of the last chunk."""
-        if self._memory.borders is None:
-            self.settle(z)
-        assert self._memory.borders is not None
-        return self._memory.borders
+    def parameters(self, z: Array, gauge: Any = None) -> Borders:
+        """Borders for work near z: those chosen, or some that fit at z."""
+        known = self.gauge if gauge is None else cast(Borders, gauge)
+        return self._borders(z) if known is None else known
 
-    def settle(self, z: Array) -> bool:
-        """Renew the borders: the singular vectors of M at z. No unknown depends on them: False."""
+    def gauged(self, gauge: Any) -> Self:
+        """The same curve with what was chosen for a stretch of it, if anything was."""
+        return self if gauge is None else replace(self, gauge=gauge)
+
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The same curve with borders that fit at z and have the sense of those before."""
+        return replace(self, gauge=self._borders(z))
+
+    def turns_from(self, other: Self) -> bool:
+        """No unknown depends on the borders."""
+        return False
+
+    def _borders(self, z: Array) -> Borders:
+        """The singular vectors of M at z."""
         _, jacobian = self.system.jacobian(z[: self.n], self.full_parameters(z))
         a = self._scaled(jacobian[:, : self.n])
         across = np.array([1.0, 0.0])
@@ -153,12 +158,11 @@ class BorderedCurve:
         corank = 2 if self.type in ("HB", "NS") else 1
         kernel = corank + matrix.shape[1] - matrix.shape[0]
         b, c = left[:, -corank:], right[-kernel:].T
-        known = self._memory.borders
+        known = self.gauge
         if known is not None and corank == kernel == 1:  # tests, which are oriented by them, keep their signs
             b, c = (new if float(new[:, 0] @ old[:, 0]) >= 0.0 else -new
                     for new, old in ((b, known.left), (c, known.right)))  # fmt: skip
-        self._memory.borders = _Borders(b, c, across, left[:, -1])
-        return False
+        return Borders(b, c, across, left[:, -1])
 
     def _slopes(self, jacobian: Array) -> Array:
         """F_p of both parameters, scaled rows (n, 2)."""
@@ -167,7 +171,7 @@ class BorderedCurve:
 
     def _across(self, z: Array) -> Array:
         """A direction of the parameters across the curve; the first parameter's, until the curve's own is known."""
-        known = self._memory.borders
+        known = self.gauge
         if self.more:  # branch points in the first parameter
             return np.array([1.0, 0.0])
         if known is None or abs(self.scalar(z)) > FORCED * float(np.abs(self._scaled(self.matrix(z))).max()):
@@ -188,16 +192,15 @@ class BorderedCurve:
         """The left null vector to which others are oriented (BP)."""
         return np.asarray(self.parameters(z).beta / self.sizes)
 
-    def reference(self) -> Array:
+    def reference(self, z: Array) -> Array:
         """The null vector to which others are oriented."""
-        assert self._memory.borders is not None
-        return np.asarray(self._memory.borders.right[: self.n, 0])
+        return np.asarray(self.parameters(z).right[: self.n, 0])
 
-    def values(self, z: Array, borders: _Borders) -> Array:
+    def values(self, z: Array, borders: Borders) -> Array:
         """The equations at rows z, (rows, N - 1), unscaled."""
         return np.array([self.linearise(row, borders)[0] for row in z])
 
-    def linearise(self, z: Array, borders: _Borders | None = None) -> tuple[Array, Array]:
+    def linearise(self, z: Array, borders: Borders | None = None) -> tuple[Array, Array]:
         """Equations (N - 1, less one a further parameter) and their Jacobian, unscaled; G as rates of states."""
         n, d = self.n, self.sizes
         borders = self.parameters(z) if borders is None else borders

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,10 +55,25 @@ class LocusProblem(CurveOfPoints):
         return np.asarray(self.curve.scales(z, self.widths(z, bounds)))
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        own = replace(self, curve=self.curve.settled(z, scale))
+        return [own._tangent(z, scale)]
+
+    def _tangent(self, z: Array, scale: Array) -> Array:
         _, jacobian = self.curve.linearise(z)
         if not np.all(np.isfinite(jacobian)):
             raise NotFiniteError(f"no curve passes here: {self.describe_failure(z)}")
-        return [np.linalg.svd(jacobian * scale / scale[:-1, None])[2][-1]]
+        return np.asarray(np.linalg.svd(jacobian * scale / scale[:-1, None])[2][-1])
+
+    def near(self, z: Array, frame: Frame) -> Self:
+        """The curve as it is looked at next to a chunk; where there is none, as it was set out with, or next to z."""
+        curve = self.curve.gauged(frame.gauge)
+        return replace(self, curve=curve if curve.gauge is not None else curve.settled(z, frame.scale))
+
+    def _parameters(self, z: Array, frame: Frame) -> Array:
+        """Those of the kernel."""
+        if frame.gauge is None and self.curve.gauge is None:
+            return np.asarray(self.curve.settled(z, frame.scale).parameters(z))
+        return np.asarray(self.curve.parameters(z, frame.gauge))
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
@@ -71,15 +87,18 @@ class LocusProblem(CurveOfPoints):
         settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         limit = min(limit, self._most_rows(settings))
-        renewed = self.curve.settle(origin.z)
-        if not self.curve.compiled:
-            return march(self, origin, before, length, frame, step, limit, settings, loop)
+        known = self.curve.gauged(frame.gauge)
+        curve = known.settled(origin.z, frame.scale)
+        own, renewed = replace(self, curve=curve), curve.turns_from(known)
+        if not curve.compiled:
+            marched = march(own, origin, before, length, frame, step, limit, settings, loop)
+            return replace(marched, gauge=curve.gauge)
 
-        curve, n, rows, size = self.curve, self.n, limit + 1, self.curve.size
+        n, rows, size = self.n, limit + 1, curve.size
         z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
         unstable = np.zeros(rows, np.int64)
         re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
-        first = self._realigned(origin, frame.scale) if renewed else origin.tangent
+        first = own._realigned(origin, frame.scale) if renewed else origin.tangent
         z[0], t[0] = origin.z, first
         controls = np.array([
             step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
@@ -98,9 +117,9 @@ class LocusProblem(CurveOfPoints):
         m = int(info[0]) + 1
         chunk = Chunk(
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], STOPS[reason], float(info[1]),
-            0.0, int(info[4]), int(info[2]),
+            0.0, int(info[4]), int(info[2]), gauge=curve.gauge,
         )  # fmt: skip
-        return events.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
+        return events.with_degeneracy(own, chunk) if self.locus == "BP" else chunk
 
     def _most_rows(self, settings: Settings) -> int:
         """In one call of the kernel."""
@@ -109,7 +128,7 @@ class LocusProblem(CurveOfPoints):
 
     def _realigned(self, origin: Sample, scale: Array) -> Array:
         """The tangent with a new border, in the sense in which states and parameters went on before."""
-        tangent = np.asarray(self.tangents(origin.z, scale)[0])
+        tangent = np.asarray(self._tangent(origin.z, scale))
         seen = self.identifying
         return tangent if float(tangent[seen] @ origin.tangent[seen]) > 0.0 else -tangent
 
@@ -135,18 +154,18 @@ class LocusProblem(CurveOfPoints):
 
     def _probed(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if not self.curve.compiled:
-            return probe(self, base, length, guess, frame, settings)
+            return probe(self.near(base.z, frame), base, length, guess, frame, settings)
 
         curve, n = self.curve, self.n
         z, t, tests = np.empty(curve.size), np.empty(curve.size), np.empty(kernel.TESTS)
         re, im = np.empty(n), np.empty(n)
         count = kernel.probe(
-            *self._functions, n, self.base.copy(), self._slots, base.z, base.tangent, length,
-            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z,
+            *self._functions, n, self.base.copy(), self._slots, base.z, base.tangent, length, guess,
+            self._parameters(base.z, frame), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z,
             t, tests, re, im,
         )  # fmt: skip
         if count >= 0 and self.locus == "BP":
-            tests[events.DEGENERACY] = degenerate.test(self, z)
+            tests[events.DEGENERACY] = degenerate.test(self.near(base.z, frame), z)
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
     def points_between(
@@ -179,13 +198,13 @@ class LocusProblem(CurveOfPoints):
         (re, im), counts = np.full((2, count, n), np.nan), np.empty(count, np.int64)  # unknown where there is no point
         kernel.points_between(
             *self._functions, n, self.base.copy(), self._slots, base.z, base.tangent, a.z, a.tangent, b.z, b.tangent,
-            np.array(fractions), np.array(lengths), curve.parameters(base.z), curve.active, frame.scale,
+            np.array(fractions), np.array(lengths), self._parameters(base.z, frame), curve.active, frame.scale,
             min(settings.tolerance, 1e-9), self._trust, z, t, tests, re, im, counts,
         )  # fmt: skip
         return z, t, tests, counts.tolist(), re + 1j * im
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        parameters = self.curve.parameters(guess)
+        parameters = self.curve.settled(guess, scale).parameters(guess)
         return newton.with_one_fixed(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -199,11 +218,11 @@ class LocusProblem(CurveOfPoints):
         return events.test_of(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        found = events.verify(self, type_, near, frame)
+        found = events.verify(self.near(near.z, frame), type_, near, frame)
         return found if self.has_stability else timeless.point_without(found)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        found = events.verify_compound(self, a, b, frame)
+        found = events.verify_compound(self.near(a.z, frame), a, b, frame)
         return found if self.has_stability else timeless.points_without(found)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:

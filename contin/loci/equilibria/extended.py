@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self, cast
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -42,9 +42,9 @@ def extended_system(system: CompiledSystem, type_: str, first: str, second: str)
     return known[key]
 
 
-@dataclass(eq=False)
-class _Gauge:
-    """The border (HB, NS) or the direction across the curve (BP) in use: kept as long as it serves."""
+@dataclass(frozen=True, eq=False)
+class Gauge:
+    """The border (HB, NS) or the direction across the curve (BP): kept as long as it serves."""
 
     values: Array | None = None
     rows: tuple[float, float] = (1.0, 1.0)  # factors of the rows `symbolic.passes.loci.ROWS`
@@ -63,7 +63,7 @@ class ExtendedCurve:
     first: int
     second: int
     sizes: Array
-    _gauge: _Gauge = field(default_factory=_Gauge)
+    gauge: Gauge | None = None
 
     compiled = True  # the kernel can march it
 
@@ -132,14 +132,19 @@ class ExtendedCurve:
 
     # -- the equations ------------------------------------------------------------------------------------------------
 
-    def parameters(self, z: Array) -> Array:
+    def gauged(self, gauge: Any) -> Self:
+        """The same curve with what was chosen for a stretch of it, if anything was."""
+        return self if gauge is None else replace(self, gauge=gauge)
+
+    def parameters(self, z: Array, gauge: Any = None) -> Array:
         """Parameters of the extended system for work near z, whose own vector belongs to them."""
+        known = cast(Gauge, gauge) if gauge is not None else self.gauge or Gauge()
         values = self._template.copy()
         rows = len(self.base) - 1
-        values[rows : rows + len(loci.ROWS)] = self._gauge.rows
-        gauge = self._border(z)
-        if gauge is not None:
-            values[len(values) - len(gauge) :] = gauge
+        values[rows : rows + len(loci.ROWS)] = known.rows
+        border = self._border(z, known)
+        if border is not None:
+            values[len(values) - len(border) :] = border
         values[self.active] = z[-1]
         return values
 
@@ -159,54 +164,64 @@ class ExtendedCurve:
         p[:, self.active] = z[:, -1]
         return np.asarray(self.extended.jacobians(z[:, :-1], p)[0])
 
-    def _border(self, z: Array) -> Array | None:
+    def _border(self, z: Array, known: Gauge) -> Array | None:
         if self.type in ("LP", "PD"):
             return None
         if self.type == "BP":
-            return np.array([1.0, 0.0]) if self._gauge.values is None else self._gauge.values
-        known = self._gauge.values
-        v = self.vector(z) / self.sizes
-        if known is not None and abs(float(known @ v)) / float(np.linalg.norm(known)) < ORTHOGONAL * self.n:
-            return known * self.sizes
-        return self.renew_border(z)
+            return np.array([1.0, 0.0]) if known.values is None else known.values
+        return self._serving(z, known.values) * self.sizes
 
-    def renew_border(self, z: Array) -> Array:
-        """The border that is the second direction of the critical plane, normal to z's v; kept for work nearby."""
+    def _serving(self, z: Array, border: Array | None) -> Array:
+        """A border while z's v is normal to it, else another one."""
         v = self.vector(z) / self.sizes
-        v = v / np.linalg.norm(v)
+        if border is not None and abs(float(border @ v)) / float(np.linalg.norm(border)) < ORTHOGONAL * self.n:
+            return border
+        return self._normal(z)
+
+    def _beside(self, z: Array, v: Array) -> Array:
+        """The critical plane (n, 2) without its part along v."""
         plane = critical_plane(self._squared(self.matrix(z) * self.sizes / self.sizes[:, None], self.scalar(z)))
-        rest = plane - np.outer(v, v @ plane)
+        return np.asarray(plane - np.outer(v, v @ plane))
+
+    def _normal(self, z: Array) -> Array:
+        """The border that is the second direction of the critical plane, normal to z's v."""
+        v = self.vector(z) / self.sizes
+        rest = self._beside(z, v / np.linalg.norm(v))
         border = rest[:, int(np.argmax(np.linalg.norm(rest, axis=0)))]
-        border = border / np.linalg.norm(border)
-        self._gauge.values = border
-        return np.asarray(border * self.sizes)
+        return np.asarray(border / np.linalg.norm(border))
 
-    def settle(self, z: Array) -> bool:
-        """Called at the start of a chunk: renew the border where it has turned out of the critical plane.
-
-        True where it was renewed: v then turns in that plane differently along the curve, and so does the tangent.
-        """
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The same curve at the start of a chunk: with another border where it has turned out of the critical plane."""
+        known = Gauge(rows=self._rows(z, scale)) if self.gauge is None else self.gauge
         if self.type == "BP":
-            self._settle_across(z)
+            across = replace(self, gauge=known)._across(z)
+            return replace(self, gauge=known if across is None else replace(known, values=across))
         if self.type not in ("HB", "NS"):
-            return False
-        border = self._border(z)
-        assert border is not None
-        v = self.vector(z) / self.sizes
-        plane = critical_plane(self._squared(self.matrix(z) * self.sizes / self.sizes[:, None], self.scalar(z)))
-        rest = plane - np.outer(v, v @ plane)
-        if float(np.linalg.norm((border / self.sizes) @ rest)) < PLANE:
-            self.renew_border(z)
-            return True
-        return False
+            return replace(self, gauge=known)
+        border = self._serving(z, known.values)
+        if float(np.linalg.norm(border @ self._beside(z, self.vector(z) / self.sizes))) < PLANE:
+            border = self._normal(z)
+        return replace(self, gauge=known if border is known.values else replace(known, values=border))
 
-    def _settle_across(self, z: Array) -> None:
+    def turns_from(self, other: Self) -> bool:
+        """True where the border is another one: v turns in that plane differently, and so does the tangent."""
+        if self.type not in ("HB", "NS") or self.gauge is None or other.gauge is None:
+            return False
+        return self.gauge.values is not other.gauge.values
+
+    def _rows(self, z: Array, scale: Array) -> tuple[float, float]:
+        """What makes rows of rates as large as the others."""
+        rate = float(np.linalg.norm(self.matrix(z) * self.sizes / self.sizes[:, None]))
+        if self.type == "BP" or not 0.0 < rate < np.inf:
+            return 1.0, 1.0
+        return rate * float(scale[-2]), rate * (float(scale[-3]) if self.type == "HB" else 1.0)
+
+    def _across(self, z: Array) -> Array | None:
         """On a forced curve of branch points: the direction across it, in which the products with w vanish best."""
         _, jacobian = self.linearise(z)
         along = np.linalg.svd(jacobian / np.abs(jacobian).max(axis=1, keepdims=True))[2][-1]
         width = elementary.hypot(along[-1], along[-2])
-        if width > 0.0 and self._is_forced(z):
-            self._gauge.values = np.array([-along[-2], along[-1]]) / width
+        return np.array([-along[-2], along[-1]]) / width if width > 0.0 and self._is_forced(z) else None
 
     def _is_forced(self, z: Array) -> bool:
         """True where the unfolding, a rate in these units of w, is nothing beside the rates of the equations."""
@@ -233,7 +248,9 @@ class ExtendedCurve:
         scaled = self.matrix(z) * self.sizes / self.sizes[:, None]
         plane = critical_plane(self._squared(scaled, self.scalar(z)))
         v = plane @ np.linalg.svd(scaled @ plane)[2][0]
-        return replace(self, _gauge=_Gauge(rows=self._gauge.rows)), self._with_vector(z, scaled, v)
+        rows = (self.gauge or Gauge()).rows
+        turned = self._with_vector(z, scaled, v)
+        return replace(self, gauge=Gauge(self._normal(turned), rows)), turned
 
     def turned_back(self, z: Array, like: Array) -> Array:
         """z with the v of its critical plane that is nearest to that of `like`."""
@@ -266,7 +283,6 @@ class ExtendedCurve:
             w = np.linalg.svd((scaled - shift * np.eye(self.n)).T)[2][-1]
             return np.concatenate([u, _oriented(w) / d, [0.0], ends])
         v = _oriented(critical_plane(self._squared(scaled, scalar))[:, 0])
-        self._gauge.values = None
         return np.concatenate([u, v * d, (scaled @ v) * d, [scalar], ends])
 
     def scales(self, z: Array, widths: tuple[float, float]) -> Array:
@@ -276,11 +292,6 @@ class ExtendedCurve:
         """
         d = self.sizes
         ends = np.array([widths[1], widths[0]])
-        if self._gauge.rows == (1.0, 1.0) and self.type != "BP":
-            rate = float(np.linalg.norm(self.matrix(z) * d / d[:, None]))
-            kappa = self._frequency_squared(z) if self.type == "HB" else 1.0
-            if 0.0 < rate < np.inf:
-                self._gauge.rows = rate * widths[1], rate * kappa
         if self.type in ("LP", "PD"):
             return np.concatenate([d, VECTOR * d, ends])
         if self.type == "BP":

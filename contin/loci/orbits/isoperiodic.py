@@ -7,8 +7,8 @@ along, not solved for. Cost: a sparse factorisation a Newton step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ class PeriodCurve(CurveOfPeriodicOrbits):
 
     orbits: OrbitProblem
     second: int
-    memory: dict[str, Array] = field(default_factory=dict)  # the orbit that the phase condition refers to
+    gauge: Array | None = None  # z of the orbit that the phase condition refers to
 
     type = "UZ"
 
@@ -39,16 +39,15 @@ class PeriodCurve(CurveOfPeriodicOrbits):
         """Places of (u, q, p) in z."""
         return np.append(np.arange(self.profile(z).u.size), [z.size - 2, z.size - 1])
 
-    def settle(self, z: Array, scale: Array) -> None:
-        """The orbit that the phase condition refers to."""
-        self.memory["phase"] = z.copy()
+    def settled(self, z: Array, scale: Array) -> Self:
+        """With z as the orbit that the phase condition refers to."""
+        return replace(self, gauge=z.copy())
 
     def linearise(self, z: Array, scale: Array) -> tuple[Array, Any]:
         """Scaled equations (k,) and their sparse Jacobian (k, k + 1) by `unknowns`."""
         from scipy import sparse
 
-        known = self.memory.get("phase", z)
-        reference = known if known.size == z.size else z
+        reference = z if self.gauge is None or self.gauge.size != z.size else self.gauge
         orbits, orbit = self.at(z), self.orbit(z)
         own = OrbitLinear(orbits, orbit, self.orbit(scale), self.orbit(reference))
         across = orbits.with_active(self.system.parameter_names[self.second], orbit)
@@ -69,9 +68,6 @@ class SamePeriodProblem(OfOnePeriod, MarchedInPython):
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         first, second = self.widths(z, bounds)
         return self.curve.join(self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first)), second)
-
-    def settle(self, z: Array, scale: Array) -> None:
-        self.curve.settle(z, scale)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
         equations, jacobian = self.curve.linearise(z, scale)

@@ -55,38 +55,36 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent."""
-        self.curve.settle(z, scale)
         guide = np.zeros(z.size)
         guide[-1] = 1.0
-        found = self.curve.correct(z, guide, 0.0, z, scale, np.inf)
+        found = self.curve.settled(z, scale).correct(z, guide, 0.0, z, scale, np.inf)
         if isinstance(found, Failure):
             raise InputError(f"the curve of {self.locus} cannot be followed from here: its equations are singular")
         return [found.tangent]
 
-    def measured(self, sample: Sample, frame: Frame) -> Sample:
-        """The same point with its tests and tangent anew; the frame is carried on from there."""
-        self.curve.settle(sample.z, frame.scale)
-        found = self.curve.correct(sample.z, sample.tangent, 0.0, sample.z, frame.scale, np.inf, carry=True)
+    def _set_out(self, sample: Sample, frame: Frame) -> tuple[OrbitCurve, Sample]:
+        """The curve with borders that fit at a point, and the point with its tests and tangent anew."""
+        curve, found = self.curve.gauged(frame.gauge).settled(sample.z, frame.scale).carried(sample, frame.scale)
         if isinstance(found, Failure):
             if not sample.tests.size:
                 raise InputError(f"the curve of {self.locus} cannot be followed from here: {found.value}")
-            return sample
-        return replace(found, z=sample.z, tangent=sample.tangent if sample.tests.size else found.tangent)
+            return curve, sample
+        return curve, replace(found, z=sample.z, tangent=sample.tangent if sample.tests.size else found.tangent)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         limit = min(limit, self.maximum_chunk, max(LEAST, int(REACH / settings.max_step)))
-        start = self.measured(origin, frame)
-        chunk = self.curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
+        curve, start = self._set_out(origin, frame)
+        chunk = curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
         chunk = criticality.cut_at_change(self.curve, chunk, frame.scale)
         chunk = cut_at_birth(self, chunk, frame, settings) if self.curve.orbits.autonomous else chunk
         return until_dip(chunk, before, length, FIRST_TEST)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
-        found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
+        found = self.curve.gauged(frame.gauge).correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
         if isinstance(found, Failure):
             return None
         wanted = criticality.is_measured(self.curve, base)

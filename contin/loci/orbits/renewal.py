@@ -36,12 +36,12 @@ def renew(
     renewed = curve.join(metric, float(scale[-2]), 1.0)
     moved = CurveMove(curve, orbits, scale, renewed, fit.h)
     here = moved(origin)
-    curve.settle(here.z, renewed)
-    corrected = problem.probe(here, 0.0, here.z, Frame(renewed), settings)
+    gauge = curve.gauged(frame.gauge).settled(here.z, renewed).gauge
+    corrected = problem.probe(here, 0.0, here.z, Frame(renewed, gauge=gauge), settings)
     if corrected is not None and _distance(corrected.z, here.z, renewed) < JUMPED:
         sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
         here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
-    return Renewal(renewed, here, None if before is None else moved(before), None)
+    return Renewal(renewed, here, None if before is None else moved(before), None, gauge=gauge)
 
 
 class CurveMove:
@@ -66,12 +66,13 @@ class CurveMove:
 
 def on_finer_mesh(problem: OrbitCurveProblem, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame]:
     """The curve's problem, a sample of it and the metric, on a mesh of half the lengths; its own stays as it is."""
-    curve, scale = replace(problem.curve, _works={}, critical=dict(problem.curve.critical)), frame.scale
+    curve, scale = replace(problem.curve, _works={}, gauge=None, critical=dict(problem.curve.critical)), frame.scale
     orbits, profile = curve.at(sample.z), curve.profile(sample.z)
     sizes, period = orbits.sizes(curve.orbit(sample.z), curve.orbit(scale)), float(scale[profile.u.size])
     h = np.repeat(profile.h / 2.0, 2)
     finer = curve.join(make_scale(h, profile.m, sizes, period, float(scale[-1])), float(scale[-2]), 1.0)
-    return replace(problem, curve=curve), CurveMove(curve, orbits, scale, finer, h)(sample), Frame(finer)
+    there = CurveMove(curve, orbits, scale, finer, h)(sample)
+    return replace(problem, curve=curve), there, Frame(finer, gauge=curve.settled(there.z, finer).gauge)
 
 
 def _distance(a: Array, b: Array, scale: Array) -> float:

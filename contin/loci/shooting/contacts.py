@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 SAMPLES: Final = 1000  # of a period, for extrema of surface functions
 FINER: Final = 1e-4  # (scaled time) between the three values of a parabola
+NEAR: Final = 1e-3  # clearance, relative to the surface function's largest value, from which a touching orbit is near
 TOUCHING: Final = 1e-6  # |h| at the extremum, relative to its largest value
 ITSELF: Final = 1e-3  # (scaled time) crossings this near are those of a touching that rounding made one
 MOST: Final = 32  # segments

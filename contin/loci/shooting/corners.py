@@ -17,7 +17,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation import march
 from contin.continuation.problem import Chunk, Failure, Frame, Sample, Stop, Verified
-from contin.loci.shooting.contacts import Touch, touches, vertex
+from contin.loci.shooting.contacts import NEAR, Touch, touches, vertex
 from contin.loci.shooting.expansion import Expansion
 from contin.loci.shooting.grazing import GrazingCurve
 from contin.problems.shooting.grazing import surface
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from contin.loci.shooting.shot_curve_equations import ShotCurveEquations
 
 
-NEAR: Final = 1e-3  # clearance, relative to the surface function's largest value, from which a touching orbit is near
 DEPTHS: Final = (1e-5, 1e-4, 1e-3)  # (scaled) beyond the surface at which the curve is taken up again
 AHEAD: Final = 1e-3  # (scaled) from the last orbit to the touching one
 PASSED: Final = 1e-6  # ... or back to it
@@ -62,13 +61,13 @@ def cross_corner(problem: ShotCurveEquations, last: Sample, frame: Frame) -> tup
     deeper, there = -touch.side * found[0], touch.value * touch.side / found[1]  # there: length to the touching orbit
     if not -PASSED < sense * there < AHEAD:
         return None
-    problem.settle(z, scale)
+    own = problem.settled(z, scale)
     for depth in DEPTHS:
         length = there + sense * depth
-        solved = march.correct(problem, z, deeper, length, length * deeper, scale, TOLERANCE)
+        solved = march.correct(own, z, deeper, length, length * deeper, scale, TOLERANCE)
         if isinstance(solved, Failure) or float(np.linalg.norm(solved.y)) > FAR:
             continue
-        beyond = march.measure(problem, solved, frame.reference)
+        beyond = march.measure(own, solved, frame.reference)
         if sense < 0.0:
             beyond = replace(beyond, tangent=-beyond.tangent, tests=beyond.tests * _turned(beyond))
         return beyond, None

@@ -8,7 +8,8 @@ unfolding: the orbit closes up to a multiple of a fixed jump, zero where a symme
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ class Equations:
 
     residual: Array
     jacobian: Array
-    bend: float = 0.0
+    bend: float = np.nan
 
 
 class CurveByShooting(CurveOfPeriodicOrbits, ABC):
@@ -58,8 +59,8 @@ class CurveByShooting(CurveOfPeriodicOrbits, ABC):
         return float("nan"), 1.0
 
     @abstractmethod
-    def settle(self, z: Array, scale: Array) -> None:
-        """Take z as what the equations' auxiliary parts are chosen for."""
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The same curve, its equations' auxiliary parts chosen for z, with the sense of those that it has."""
 
     @abstractmethod
     def linearise(self, z: Array, scale: Array) -> Equations | None:
@@ -76,16 +77,12 @@ class CurveByShooting(CurveOfPeriodicOrbits, ABC):
         """Number of the surface that the orbits touch; None for special orbits of a smooth return map."""
 
     @abstractmethod
-    def precise(self, accuracy: float) -> CurveByShooting:
+    def precise(self, accuracy: float) -> Self:
         """The same equations with trajectories of another accuracy."""
 
     @abstractmethod
-    def bend(self) -> float:
-        """Of the last linearisation, see `Condition`; NaN where it is not known."""
-
-    @abstractmethod
-    def shift(self, fraction: float) -> None:
-        """Told when it was: the orbit begins later by this part of its period."""
+    def shifted(self, fraction: float) -> Self:
+        """The same curve where the orbit begins later by this part of its period."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +92,7 @@ class ShootingCurve(CurveByShooting):
     type: str
     orbits: ShootingProblem
     second: int
-    _memory: Fields = field(default_factory=dict)
+    gauge: Borders | None = None
     critical: Fields = field(default_factory=dict)  # see `contin.loci.orbits.criticality`
 
     movable = True
@@ -106,12 +103,12 @@ class ShootingCurve(CurveByShooting):
         """Scalar unknowns beside the orbit."""
         return int(self.type in ("NS", "BPC"))
 
-    def shift(self, fraction: float) -> None:
+    def shifted(self, fraction: float) -> Self:
         """Borders are found anew when the next chunk begins."""
+        return self
 
-    def precise(self, accuracy: float) -> ShootingCurve:
-        known = {"borders": self._memory["borders"]} if "borders" in self._memory else {}
-        return ShootingCurve(self.type, self.orbits.precise(accuracy), self.second, known, self.critical)
+    def precise(self, accuracy: float) -> Self:
+        return replace(self, orbits=self.orbits.precise(accuracy))
 
     def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
         """c of PD or Re d of NS, and the size of the terms that it is made of."""
@@ -123,40 +120,29 @@ class ShootingCurve(CurveByShooting):
     def expansion(self, z: Array, scale: Array) -> Expansion | None:
         return Expansion.of(self.at(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
 
-    def settle(self, z: Array, scale: Array) -> None:
+    def settled(self, z: Array, scale: Array) -> Self:
         """Borders that fit at z."""
         at = self.expansion(z, scale)
-        self._memory.pop("last", None)
-        if at is not None:
-            a = matrix(self.type, at, self.further(z))
-            if np.all(np.isfinite(a)):
-                self._memory["borders"] = borders(self.type, a, self.orbits.n, self._memory.get("borders"))
+        a = None if at is None else matrix(self.type, at, self.further(z))
+        if a is None or not np.all(np.isfinite(a)):  # those before may serve
+            return self
+        return replace(self, gauge=borders(self.type, a, self.orbits.n, self.gauge))
 
     def linearise(self, z: Array, scale: Array) -> Equations | None:
-        last = self._memory.get("last")
-        if last is not None and np.array_equal(last[0], z):
-            found: Equations | None = last[1]
-            return found
-        known: Borders | None = self._memory.get("borders")
+        known = self.gauge
         at = self.expansion(z, scale)
         special = None if at is None or known is None else condition(self.type, at, self.further(z), known)
-        equations = None
-        if at is not None and special is not None and known is not None:
-            residual, further = at.residual, np.zeros((at.rows, 0))
-            if self.type == "BPC":
-                residual = residual + self.further(z) * known.b[:, 0]
-                further = known.b
-            elif self.type == "NS":
-                further = np.zeros((at.rows, 1))
-            slopes, by_further = special.slopes, special.further[:, None][:, : self.extra]
-            jacobian = np.block([
-                [at.jacobian[:, : at.rows], further, at.jacobian[:, at.rows :]],
-                [slopes[:, : at.rows], by_further, slopes[:, at.rows :]],
-            ])  # fmt: skip
-            equations = Equations(np.append(residual, special.values), jacobian, special.bend)
-        self._memory["last"] = z.copy(), equations
-        return equations
-
-    def bend(self) -> float:
-        last = self._memory.get("last")
-        return float("nan") if last is None or last[1] is None else float(last[1].bend)
+        if at is None or special is None or known is None:
+            return None
+        residual, further = at.residual, np.zeros((at.rows, 0))
+        if self.type == "BPC":
+            residual = residual + self.further(z) * known.b[:, 0]
+            further = known.b
+        elif self.type == "NS":
+            further = np.zeros((at.rows, 1))
+        slopes, by_further = special.slopes, special.further[:, None][:, : self.extra]
+        jacobian = np.block([
+            [at.jacobian[:, : at.rows], further, at.jacobian[:, at.rows :]],
+            [slopes[:, : at.rows], by_further, slopes[:, at.rows :]],
+        ])  # fmt: skip
+        return Equations(np.append(residual, special.values), jacobian, special.bend)

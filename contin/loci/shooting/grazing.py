@@ -8,12 +8,12 @@ Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, ch. 6 and 7).
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from contin.abi import Array
-from contin.loci.shooting.contacts import Touch, vertex
+from contin.loci.shooting.contacts import NEAR, Touch, touches, vertex
 from contin.loci.shooting.curve import CurveByShooting, Equations
 from contin.loci.shooting.expansion import Expansion
 from contin.model.evaluate import evaluate
@@ -34,7 +34,8 @@ class GrazingCurve(CurveByShooting):
     orbits: ShootingProblem
     second: int
     touch: Touch
-    _memory: Fields = field(default_factory=dict)  # time: where the extremum is looked for
+    gauge: float | None = None  # the time, in periods, at which the extremum is looked for
+    _formulas: Fields = field(default_factory=dict)  # of the touched surface, made once
 
     type = "LPC"
 
@@ -57,23 +58,26 @@ class GrazingCurve(CurveByShooting):
     def touched(self) -> int:
         return self.touch.surface
 
-    def precise(self, accuracy: float) -> GrazingCurve:
+    def precise(self, accuracy: float) -> Self:
         return replace(self, orbits=self.orbits.precise(accuracy))
 
-    def bend(self) -> float:
-        return float("nan")
-
-    def shift(self, fraction: float) -> None:
-        self._memory["time"] = (self._time - fraction) % 1.0
+    def shifted(self, fraction: float) -> Self:
+        return replace(self, gauge=(self._time - fraction) % 1.0)
 
     @property
     def _time(self) -> float:
-        return float(self._memory.get("time", self.touch.time))
+        return self.touch.time if self.gauge is None else self.gauge
 
-    def settle(self, z: Array, scale: Array) -> None:
-        found = self._extremum(z)
-        if found is not None:
-            self._memory["time"] = found / float(z[self._states])
+    def settled(self, z: Array, scale: Array) -> Self:
+        known = self._found(z) if self.gauge is None else self
+        found = known._extremum(z)
+        return known if found is None else replace(self, gauge=found / float(z[self._states]))
+
+    def _found(self, z: Array) -> Self:
+        """With the time at which the orbit touches the surface, where nothing is known of its neighbours."""
+        own = [touch for touch in touches(self.at(z), self.orbit(z), NEAR) if touch.surface == self.touch.surface]
+        nearest = min(own, key=lambda touch: abs(touch.value), default=None)
+        return self if nearest is None or not self.movable else replace(self, gauge=nearest.time)
 
     def linearise(self, z: Array, scale: Array) -> Equations | None:
         at = Expansion.of(self.as_they_are(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
@@ -171,14 +175,14 @@ class GrazingCurve(CurveByShooting):
         system = self.system
         names = [*system.state_names, *system.parameter_names]
         known = {**dict(zip(names, [*u.tolist(), *p.tolist()], strict=False)), "t": time}
-        formula, *slopes = self._formulas
+        formula, *slopes = self._surface_and_slopes()
         return float(evaluate(formula, known)), np.array([float(evaluate(s, known)) for s in slopes])
 
-    @property
-    def _formulas(self) -> list[Any]:
-        if "formulas" not in self._memory:
+    def _surface_and_slopes(self) -> list[Any]:
+        """h and its derivatives by states and parameters, as formulas."""
+        if not self._formulas:
             names = [*self.system.state_names, *self.system.parameter_names]
             h = self.system.pieces.functions[self.touch.surface]
-            self._memory["formulas"] = [h, *(derivative(h, name) for name in names)]
-        known: list[object] = self._memory["formulas"]
+            self._formulas["h"] = [h, *(derivative(h, name) for name in names)]
+        known: list[object] = self._formulas["h"]
         return known

@@ -6,6 +6,7 @@ z is that of `CurveByShooting`; T is carried along, not solved for. See `contin.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ class ShotPeriodCurve(CurveByShooting):
 
     orbits: ShootingProblem
     second: int
+    gauge: None = None
 
     type = "UZ"
     movable = True
@@ -36,21 +38,20 @@ class ShotPeriodCurve(CurveByShooting):
         """Places of (u, q, p) in z."""
         return np.append(np.arange(self._states), [z.size - 2, z.size - 1])
 
-    def settle(self, z: Array, scale: Array) -> None:
+    def settled(self, z: Array, scale: Array) -> Self:
         """The section is part of z."""
+        return self
 
     def linearise(self, z: Array, scale: Array) -> Equations | None:
         at = Expansion.of(self.at(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
         return None if at is None else Equations(at.residual, np.delete(at.jacobian, at.rows - 1, axis=1))
 
-    def precise(self, accuracy: float) -> ShotPeriodCurve:
+    def precise(self, accuracy: float) -> Self:
         return replace(self, orbits=self.orbits.precise(accuracy))
 
-    def bend(self) -> float:
-        return float("nan")
-
-    def shift(self, fraction: float) -> None:
+    def shifted(self, fraction: float) -> Self:
         """Nothing depends on the phase."""
+        return self
 
 
 @dataclass(frozen=True, eq=False)

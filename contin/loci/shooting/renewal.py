@@ -40,9 +40,10 @@ def renew(problem: ShotCurveEquations, origin: Sample, before: Sample | None, fr
         return Renewal(renewed, _remeasured(origin, scale, renewed), kept, None)
     fraction = quietest(orbits, orbit)
     moved = rebased(orbits, orbit, fraction, grown)
-    curve.shift(fraction)
+    there = problem.with_gauge(problem.curve.shifted(fraction).gauge)
     z = curve.join(moved, float(origin.z[-2]), curve.further(origin.z))
-    return Renewal(renewed, _at_new_phase(problem, origin, z, scale, renewed), None, None)
+    here = _at_new_phase(there, origin, z, scale, renewed)
+    return Renewal(renewed, here, None, None, gauge=there.curve.gauge)
 
 
 def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:

@@ -28,7 +28,7 @@ def error_of_equations(curve: ShootingCurve, z: Array, scale: Array) -> float:
     accuracy = accuracy_of_equations(curve.orbits)
     if accuracy == 0.0:
         return 0.0
-    equations, at = curve.linearise(z, scale), curve.expansion(z, scale)
+    equations, at = curve.settled(z, scale).linearise(z, scale), curve.expansion(z, scale)
     if equations is None or at is None or not np.all(np.isfinite(equations.jacobian)):
         return np.inf
     segments = _by_segment(at)

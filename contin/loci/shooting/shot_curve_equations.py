@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.loci.shooting.curve import CurveByShooting
+from contin.loci.shooting.curve import CurveByShooting, Equations
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
@@ -32,15 +33,19 @@ class ShotCurveEquations(MarchedInPython, OfPeriodicOrbits):
         own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
         return self.curve.join(own, second, 1.0)
 
-    def settle(self, z: Array, scale: Array) -> None:
-        self.curve.settle(z, scale)
-
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> BorderedShooting | None:
+        found = self.linearised(z, tangent, scale)
+        return None if found is None else BorderedShooting(*found[0])
+
+    def linearised(
+        self, z: Array, tangent: Array, scale: Array
+    ) -> tuple[tuple[Array, Array, NDArray[np.intp], int], Equations] | None:
+        """What makes a `BorderedShooting`, and the equations that it is of."""
         found = self.curve.linearise(z, scale)
         if found is None or not np.all(np.isfinite(found.jacobian)):
             return None
         where = self.curve.unknowns(z)
-        return BorderedShooting(found.residual, np.vstack([found.jacobian, tangent[where]]), where, z.size)
+        return (found.residual, np.vstack([found.jacobian, tangent[where]]), where, z.size), found
 
     def precise(self, accuracy: float) -> Self:
         """The same curve with trajectories of another accuracy."""

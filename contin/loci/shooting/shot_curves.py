@@ -21,10 +21,10 @@ class OfShotOrbits(ShotCurveEquations):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
-        return corners.cut_where_wrong(self, chunk, frame.scale)
+        return corners.cut_where_wrong(self.with_gauge(chunk.gauge), chunk, frame.scale)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return corners.cross_corner(self, last, frame)
+        return corners.cross_corner(self.with_gauge(frame.gauge), last, frame)
 
     def describe_failure(self, z: Array) -> str:
         return corners.why_not(self, z) or super().describe_failure(z)
@@ -32,5 +32,4 @@ class OfShotOrbits(ShotCurveEquations):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        return renew(self, origin, before, frame)
-
+        return renew(self.with_gauge(frame.gauge), origin, before, frame)

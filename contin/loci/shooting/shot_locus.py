@@ -21,8 +21,22 @@ from contin.loci.shooting.sensitivity import error_of_equations
 from contin.loci.shooting.shot_curves import OfShotOrbits
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.events import COARSE, FINE
+from contin.problems.shooting.linear import BorderedShooting
 from contin.problems.shooting.locate import accuracy_of_equations
 from contin.special.table import tests_of_orbits
+
+
+@dataclass(frozen=True, eq=False)
+class LinearisedLocus(BorderedShooting):
+    """With the second derivative that says whether a fold is degenerate."""
+
+    problem: ShotLocusProblem | None = None
+    bend: float = np.nan
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """See `contin.continuation.march.Telling`."""
+        assert self.problem is not None
+        return self.problem.stability_with(z, self.bend)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +44,10 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     """`curve` is a `ShootingCurve`, or one of touching orbits."""
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Without the test of a fold's coefficient, which a linearisation has."""
+        return self.stability_with(z, np.nan)
+
+    def stability_with(self, z: Array, bend: float) -> tuple[Array, int, NDArray[np.complex128]]:
         """Tests as `contin.loci.orbits.events` names them; the multipliers that are not critical decide."""
         values, four = self.multipliers(z), np.ones(4)
         touching = self.curve.touched is not None  # no multiplier is critical, on either side of the touched surface
@@ -39,13 +57,17 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
             return np.full(len(tests_of_orbits(self.locus)), np.nan), unstable, values
         tests = [four[2] if others.size > 1 else 1.0, four[3], ones(others)]
         if self.locus == "LPC":
-            tests.append(self.curve.bend())
+            tests.append(bend)
         elif self.locus == "PD":
             tests.append(np.nan)
         elif self.locus == "NS":
             k = self.curve.further(z)
             tests += [k - 1.0, k + 1.0, k + 0.5, k, np.nan]
         return np.array(tests), unstable, values
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> LinearisedLocus | None:
+        found = self.linearised(z, tangent, scale)
+        return None if found is None else LinearisedLocus(*found[0], problem=self, bend=found[1].bend)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
@@ -79,7 +101,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         columns = super().columns(z) | self.angle_columns(z)
         if isinstance(self.curve, GrazingCurve) and len(z):
             scale = self.initial_scale(z[0], self.first_bounds)
-            columns["turns"] = np.array([self.curve.turns(row, scale) for row in z])
+            columns["turns"] = np.array([self.curve.settled(row, scale).turns(row, scale) for row in z])
         return columns
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +25,18 @@ class MarchedInPython(OrbitCurveProblem):
 
     maximum_chunk: int
 
-    @abstractmethod
-    def settle(self, z: Array, scale: Array) -> None:
-        """Take z as what the phase condition, and all else that is kept for a chunk, refers to."""
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The same curve, z being what the phase condition, and all else that is chosen for a chunk, refers to."""
+        return replace(self, curve=self.curve.settled(z, scale))
+
+    def with_gauge(self, gauge: Any) -> Self:
+        """The same curve with what was chosen for a chunk, if there is one."""
+        return self if gauge is None else replace(self, curve=self.curve.gauged(gauge))
+
+    def near(self, z: Array, frame: Frame) -> Self:
+        """The curve as it is looked at next to a chunk; where there is none, as it was set out with, or next to z."""
+        own = self.with_gauge(frame.gauge)
+        return own if own.curve.is_settled else own.settled(z, frame.scale)
 
     @abstractmethod
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> python_march.Linearisation | None:
@@ -42,11 +52,10 @@ class MarchedInPython(OrbitCurveProblem):
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent: the null vector of its equations."""
-        self.settle(z, scale)
         border = np.zeros(z.size)
         where = self.curve.unknowns(z)
         border[where] = np.random.default_rng(3).normal(size=where.size)
-        tangent = python_march.null_vector(self, z, scale, border, 2)
+        tangent = python_march.null_vector(self.settled(z, scale), z, scale, border, 2)
         if tangent is None:
             raise InputError("the curve cannot be followed from here: its equations are singular")
         return [tangent]
@@ -55,15 +64,17 @@ class MarchedInPython(OrbitCurveProblem):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.settle(origin.z, frame.scale)
         limit = min(limit, self.maximum_chunk)
         planar = self if is_planar(self) else replace(self, first_bounds=bounds)  # then there is no `within`
-        return python_march.march(
-            self, origin, before, length, frame, step, limit, bounds, settings, None, self.again_in(frame.scale), planar
+        own = self.with_gauge(frame.gauge).settled(origin.z, frame.scale)
+        chunk = python_march.march(
+            own, origin, before, length, frame, step, limit, bounds, settings, None, own.again_in(frame.scale), planar
         )
+        return replace(chunk, gauge=own.curve.gauge)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        return python_march.probe(self, base, length, guess, frame, settings)
+        return python_march.probe(self.near(base.z, frame), base, length, guess, frame, settings)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        return python_march.with_one_fixed(self, index, guess, value, scale, TOLERANCE)
+        own = self.settled(guess, scale)
+        return python_march.with_one_fixed(own, index, guess, value, scale, TOLERANCE)

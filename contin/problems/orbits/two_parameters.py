@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,16 @@ class CurveOfOrbits:
 
     orbits: FamilyOfOrbits  # an `OrbitProblem` or a `ShootingProblem`
     second: int
+    gauge: Any  # what is chosen for a stretch of the curve, see `contin.continuation.problem.Frame`
+
+    @property
+    def is_settled(self) -> bool:
+        """True where it has all that is to be chosen."""
+        return self.gauge is not None
+
+    def gauged(self, gauge: Any) -> Self:
+        """The same curve with what was chosen for a stretch of it, if anything was."""
+        return self if gauge is None else replace(self, gauge=gauge)  # type: ignore[type-var]
 
     @property
     def system(self) -> CompiledSystem:

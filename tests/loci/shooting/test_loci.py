@@ -42,7 +42,7 @@ def test_the_equations_jacobian_is_their_derivative():
         if point.type == "LPC":
             keep = where
         z[keep] += 1e-3 * scale[keep] * np.sin(np.arange(keep.size) + 1.0)
-        problem.settle(z, scale)
+        problem = problem.settled(z, scale)
         found = problem.curve.linearise(z, scale)
         for place in keep:
             step = np.zeros(z.size)

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.march.rows import Rows
 from contin.problems.orbits.normal_forms.normal_form import period_doubling, torus
 from contin.problems.orbits.special_orbits import borders
-from contin.problems.orbits.special_orbits.on_one_mesh import KINDS, Normals, Work
+from contin.problems.orbits.special_orbits.on_one_mesh import KINDS, Gauge, Normals, Work
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 from contin.records import Fields
 
@@ -45,7 +45,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     type: str
     orbits: OrbitEquations
     second: int
-    _works: dict[str, Work] = field(default_factory=dict)
+    gauge: Gauge | None = None
+    _works: dict[str, Work] = field(default_factory=dict)  # the kernel's memory for the last mesh
     critical: Fields = field(default_factory=dict)  # see `contin.loci.orbits.criticality`; borders
 
     @property
@@ -87,18 +88,30 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
     def correct(
         self, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float,
-        exact: bool = True, carry: bool = False,
+        exact: bool = True,
     ) -> Sample | Failure:  # fmt: skip
         """Newton on the plane <tangent, (z - z0) / scale> = length; or why it failed.
 
         `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
-        tolerance only measures at `guess`. `carry` : take the borders and the sense of normals on to the solution.
+        tolerance only measures at `guess`.
         """
-        work, rows = self._work(guess, scale), self._rows(1, z0, tangent)
+        return self._corrected(self._work(guess, scale), z0, tangent, length, guess, scale, tolerance, exact)
+
+    def carried(self, sample: Sample, scale: Array) -> tuple[Self, Sample | Failure]:
+        """The curve with its borders, and the sense of its normals, taken on to a point; and the point, measured."""
+        work = self._work(sample.z, scale)
+        found = self._corrected(work, sample.z, sample.tangent, 0.0, sample.z, scale, np.inf, mode=MEASURE)
+        return replace(self, gauge=work.gauge()), found
+
+    def _corrected(
+        self, work: Work, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float,
+        exact: bool = True, mode: int = CORRECT,
+    ) -> Sample | Failure:  # fmt: skip
+        rows = self._rows(1, z0, tangent)
         rows.z[1] = guess
         rows.info[3] = np.inf
         controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, float(exact)])
-        status = self._follow(MEASURE if carry else CORRECT, work, scale, controls, _NO_WALLS, 1, None, rows)
+        status = self._follow(mode, work, scale, controls, _NO_WALLS, 1, None, rows)
         if status < 0:
             return Failure.NOT_FINITE if status == NOT_FINITE else Failure.NO_CONVERGENCE
         return Sample(rows.z[1], rows.t[1], rows.tests[1], int(rows.unstable[1]), rows.re[1] + 1j * rows.im[1])
@@ -118,7 +131,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         ])  # fmt: skip
         work, bounds = self._work(origin.z, scale), np.array(walls, dtype=float)
         stop = STOPS[self._follow(MARCH, work, scale, controls, bounds, limit, before, rows)]
-        return rows.chunk(stop)
+        return replace(rows.chunk(stop), gauge=work.gauge())
 
     def _follow(
         self, mode: int, work: Work, scale: Array, controls: Array, walls: Array, limit: int, before: Sample | None,
@@ -154,34 +167,52 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     def _constants(self) -> Any:
         return Curve(KINDS[self.type], self.orbits.system.gradient_address, self.second)
 
-    def _work(self, z: Array, scale: Array) -> Work:
+    def _mesh(self, z: Array) -> Array:
         nodes = self.nodes(z)
-        mesh = z[nodes + 1 : nodes + 1 + self.intervals(z)]
-        known = self._works.get("now")
+        return z[nodes + 1 : nodes + 1 + self.intervals(z)]
+
+    def _work(self, z: Array, scale: Array) -> Work:
+        """The kernel's memory, with the borders chosen; where they are of another mesh, with some that fit at z."""
+        own = self if self._fits(z) else self.settled(z, scale)
+        assert own.gauge is not None
+        work = self._memory(z)
+        work.take(own.gauge)
+        return work
+
+    def _fits(self, z: Array) -> bool:
+        return self.gauge is not None and np.array_equal(self.gauge.mesh, self._mesh(z))
+
+    def _memory(self, z: Array) -> Work:
+        mesh, known = self._mesh(z), self._works.get("last")
         if known is None or not np.array_equal(known.mesh, mesh):
-            normals = Normals() if known is None else known.normals
             p = self.at(z).full_parameters(z)
-            known = self._works["now"] = Work.of(self.type, self.orbits, p, mesh.copy(), normals)
-        if not known.settled:
-            known.settled = True
-            self.settle(z, scale)
+            known = self._works["last"] = Work.of(self.type, self.orbits, p, mesh.copy())
         return known
 
     # -- the borders --------------------------------------------------------------------------------------------------
 
-    def settle(self, z: Array, scale: Array) -> None:
-        """Borders that fit at z: directions of the parameters, rows and jumps from singular vectors."""
-        work, widths = self._work(z, scale), scale[[-1, -2]]
-        if not work.borders.across.any():
-            borders.begin(work.borders, widths)
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The curve with borders that fit at z: directions of the parameters, rows and jumps from singular vectors."""
+        work, widths = self._begun(z, scale), scale[[-1, -2]]
         for _ in range(2):
-            measured = self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
+            measured = self._corrected(work, z, np.ones_like(z), 0.0, z, scale, np.inf)
             with suppress(np.linalg.LinAlgError):  # of very long orbits: the borders before serve
                 borders.set_borders(self.type, work, self._units(z, scale), self.further(z))
             if self.type != "LPC":
                 break
             if not isinstance(measured, Failure):
                 borders.turn(work.borders, widths, 1.0, -float(work.memory.y[1, work.nodes + 1]))
+        return replace(self, gauge=work.gauge())
+
+    def _begun(self, z: Array, scale: Array) -> Work:
+        """The kernel's memory with the borders before, or some that are regular almost surely; normals as they were."""
+        work = self._memory(z)
+        work.normals = Normals()
+        if self.gauge is not None:
+            work.take(self.gauge)
+        if not self._fits(z):
+            borders.begin(work.borders, scale[[-1, -2]])
+        return work
 
     def _units(self, z: Array, scale: Array) -> Array:
         """Scales of (u(0), T, s)."""

@@ -106,11 +106,12 @@ def _newton(
     curve = HeldCurve.of(type_, problem)
     metric = curve.join(scale, float(scale[-1]), 1.0)
     x, before = curve.join(z, float(z[-1]), float(elementary.cos(theta)) if type_ == "NS" else 0.0), np.inf
+    curve = curve.settled(x, metric)
     for _ in range(NEWTON_BUDGET):
         found = curve.step(x, metric)
         if found is None:
             return None
-        step = found[0]
+        step = found.step
         size = float(np.linalg.norm(step[:-1]))
         if not np.isfinite(size) or size > 1e2 or (size >= before and before < STALLED and size > STALLED):
             return None
@@ -135,8 +136,8 @@ def _measured(
         return None
     if curve.type == "NS" and not abs(curve.further(x)) < 1.0:  # the product of two real multipliers is 1
         return None
-    right = curve.null_vectors(x, metric)
-    residual = max(found[1], float(np.max(np.abs(OrbitLinear(problem, z, scale, z).residual))))
+    right = curve.null_vectors(found, x, metric)
+    residual = max(found.off, float(np.max(np.abs(OrbitLinear(problem, z, scale, z).residual))))
     moving = np.append(np.arange(curve.nodes(x) + 1), np.arange(x.size - 2 - curve.extra, x.size - 1))
     generator = np.random.default_rng(12345)
     scatter = 0.0
@@ -145,5 +146,5 @@ def _measured(
         shift[moving] = PERTURBATION * generator.uniform(-1.0, 1.0, moving.size) / np.sqrt(moving.size)
         shift[-1] = shift[-2]
         back = curve.step(x + metric * shift, metric)
-        scatter = max(scatter, np.inf if back is None else abs(float(shift[-1] + back[0][-1])))
+        scatter = max(scatter, np.inf if back is None else abs(float(shift[-1] + back.step[-1])))
     return SolvedOrbit(z, curve.theta(x), residual, SCATTERED * scatter * float(scale[-1]), right, scale)

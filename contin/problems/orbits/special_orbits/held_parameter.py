@@ -7,8 +7,8 @@ the direction r, along which curves go on, is left out, and Newton's step is a c
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -23,6 +23,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
+class HeldStep:
+    """Newton's step (scaled), how far the bordered scalars are from zero, and the kernel's null vectors."""
+
+    step: Array
+    off: float
+    v: Array
+    y: Array
+
+
+@dataclass(frozen=True, eq=False)
 class HeldCurve(OrbitCurve):
     """`second` is the first parameter. z is that of a curve: (u, T, h, [further unknown], p, p)."""
 
@@ -31,24 +41,24 @@ class HeldCurve(OrbitCurve):
         """The special orbits of a type in a family."""
         return cls(type_, orbits, orbits.active)
 
-    def settle(self, z: Array, scale: Array) -> None:
+    def settled(self, z: Array, scale: Array) -> Self:
         """Borders that fit at z; s stays the parameter."""
-        work = self._work(z, scale)
-        if not work.borders.across.any():
-            borders.begin(work.borders, scale[[-1, -2]])
+        work = self._begun(z, scale)
         for _ in range(2):
-            self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
+            self._corrected(work, z, np.ones_like(z), 0.0, z, scale, np.inf)
             with suppress(np.linalg.LinAlgError):  # the borders before serve; the step tells where they do not
                 borders.set_borders(self.type, work, self._units(z, scale), self.further(z))
+        return replace(self, gauge=work.gauge())
 
-    def step(self, z: Array, scale: Array) -> tuple[Array, float] | None:
-        """Newton's step from z (scaled), and how far the bordered scalars are from zero; None where it is not defined.
+    def step(self, z: Array, scale: Array) -> HeldStep | None:
+        """Newton's step from z; None where it is not defined.
 
         Cost: one condensation of the intervals, and second derivatives at every Gauss point.
         """
-        if isinstance(self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf), Failure):
+        work = self._work(z, scale)
+        if isinstance(self._corrected(work, z, np.ones_like(z), 0.0, z, scale, np.inf), Failure):
             return None
-        memory, size = self._work(z, scale).memory, 1 + self.extra
+        memory, size = work.memory, 1 + self.extra
         kept = slice(2, 2 + size)
         try:
             parts = np.linalg.solve(memory.dG[:size, kept], -(memory.G[:size] + memory.dG[:size, 0]))
@@ -56,17 +66,17 @@ class HeldCurve(OrbitCurve):
             return None
         step = memory.changes[0] + parts @ memory.changes[kept]
         step[-2] = step[-1]
-        return step, float(np.max(np.abs(memory.G[:size])))
+        return HeldStep(step, float(np.max(np.abs(memory.G[:size]))), memory.v.copy(), memory.y.copy())
 
-    def null_vectors(self, z: Array, scale: Array) -> Any:
-        """(nu, 1) of PD and NS, (nu + 1, 1) of LPC, (nu + 2, 2) of BPC: what is singular at z, the place of the last
-        step, sends to zero; in scaled (u, T, p)."""
-        memory, nodes = self._work(z, scale).memory, self.nodes(z)
+    def null_vectors(self, at: HeldStep, z: Array, scale: Array) -> Any:
+        """(nu, 1) of PD and NS, (nu + 1, 1) of LPC, (nu + 2, 2) of BPC: what is singular at z, where the step was
+        found, sends to zero; in scaled (u, T, p)."""
+        nodes = self.nodes(z)
         units = np.append(scale[: nodes + 1], 1.0)
         if self.type == "PD":
-            return (memory.v[:1, :nodes] / units[:nodes]).T
+            return (at.v[:1, :nodes] / units[:nodes]).T
         if self.type == "NS":  # v(2) - 2 k v(1) + v(0) = 0 has the factors v(1) - exp(+-i theta) v(0)
-            turned = memory.v[1, :nodes] - elementary.exp(-1j * self.theta(z)) * memory.v[0, :nodes]
+            turned = at.v[1, :nodes] - elementary.exp(-1j * self.theta(z)) * at.v[0, :nodes]
             return (turned / units[:nodes])[:, None]
         count = nodes + (1 if self.type == "LPC" else 2)
-        return (memory.y[2 : 3 + self.extra, :count] / units[:count]).T
+        return (at.y[2 : 3 + self.extra, :count] / units[:count]).T

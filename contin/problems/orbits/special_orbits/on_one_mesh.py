@@ -1,4 +1,4 @@
-"""What a curve of special orbits keeps for one mesh: the kernel's memory, the borders, and the sense of its normals."""
+"""What a curve of special orbits is solved with on one mesh: the kernel's memory, borders, and the sense of normals."""
 
 from __future__ import annotations
 
@@ -32,9 +32,18 @@ class Normals:
         return self.rows
 
 
+@dataclass(frozen=True, eq=False)
+class Gauge:
+    """What the equations near a stretch of a curve are written with: borders, and the sense of its normals there."""
+
+    mesh: Array
+    borders: tuple[Array, ...]  # as those of `kernels.special_orbits.memory.Borders`
+    normals: Array  # rows of `Normals`
+
+
 @dataclass(eq=False)
 class Work:
-    """Memory of the kernel for one mesh, and the borders that the curve's equations are written in."""
+    """Memory of the kernel for one mesh, with borders that it carries on along the curve. No answer is kept in it."""
 
     mesh: Array
     points: Any
@@ -43,8 +52,7 @@ class Work:
     memory: Any
     borders: Any
     weights: Array  # of differences between the neighbours of the inner nodes, repeated for every state
-    normals: Normals
-    settled: bool = False
+    normals: Normals = field(default_factory=Normals)
 
     @property
     def nodes(self) -> int:
@@ -52,7 +60,7 @@ class Work:
         return int(self.memory.y.shape[1]) - 3
 
     @classmethod
-    def of(cls, type_: str, orbits: OrbitEquations, p: Array, mesh: Array, normals: Normals) -> Work:
+    def of(cls, type_: str, orbits: OrbitEquations, p: Array, mesh: Array) -> Work:
         """Memory for curves of a type; `orbits` is the problem of the orbits, p all parameters."""
         n, m, count = orbits.n, orbits.points, len(mesh)
         free = n - 1 if orbits.autonomous else n
@@ -62,4 +70,15 @@ class Work:
         borders = Borders(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
         times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
         weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)
-        return cls(mesh, points, factors, scratch, memory, borders, weights, normals)
+        return cls(mesh, points, factors, scratch, memory, borders, weights)
+
+    def take(self, gauge: Gauge) -> None:
+        """Go on with what was chosen elsewhere: the kernel writes into copies."""
+        for own, chosen in zip(self.borders, gauge.borders, strict=True):
+            own[:] = chosen
+        self.normals = Normals(gauge.normals, len(gauge.normals))
+
+    def gauge(self) -> Gauge:
+        """What the kernel has left."""
+        known = self.normals
+        return Gauge(self.mesh, tuple(border.copy() for border in self.borders), known.rows[: known.count].copy())
