@@ -307,7 +307,11 @@ class ConnectionProblem(CurveOfConnections):
 
     def describe_failure(self, z: Array) -> str:
         met = self._surface_ahead(z)
-        return why_not(met) if met is not None else (
-            "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
-            "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
+        return (
+            why_not(met)
+            if met is not None
+            else (
+                "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
+                "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
+            )
         )
