@@ -307,11 +307,9 @@ class ConnectionProblem(CurveOfConnections):
 
     def describe_failure(self, z: Array) -> str:
         met = self._surface_ahead(z)
+        if met is not None:
+            return why_not(met)
         return (
-            why_not(met)
-            if met is not None
-            else (
-                "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
-                "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
-            )
+            "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
+            "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
         )

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.linalg.vectors import norm
 from contin.loci.sparse.curve import LargeCurve
 from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary
@@ -39,7 +38,4 @@ def seed_of_large(
     first, second = indices(problem.system, parameters)
     curve = LargeCurve(type_, replace(problem, base=p.copy(), active=first), first, second)
     z = np.concatenate([u, [kappa] if type_ == "HB" else [], [p[second], p[first]]])
-    curve.start(z, q)
-    if type_ == "HB" and kappa == 0.0:  # q = q0 + i q1 with A q1 = q0: so fast is the motion beside a BT
-        curve.memory.size = elementary.square(norm(np.real(q)) / norm(np.imag(q)))
-    return Seed(LargeLocus(curve), z, parent=parent)
+    return Seed(LargeLocus(curve.started(z, q)), z, parent=parent)

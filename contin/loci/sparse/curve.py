@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -46,11 +46,11 @@ class Borders:
 
 @dataclass(eq=False)
 class Memory:
-    borders: Borders | None = None
+    """Factors of the last point, and how far its eigenvalues were searched: what makes the next answer cheaper."""
+
     work: Workspace = field(default_factory=Workspace)
     second: float = np.nan
     reach: float = 0.0
-    size: float = 1.0  # of kappa
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +61,8 @@ class LargeCurve:
     origin: LargeProblem
     first: int
     second: int
+    gauge: Borders | None = None
+    unit: float = 1.0  # size of kappa
     memory: Memory = field(default_factory=Memory)
 
     @property
@@ -175,23 +177,37 @@ class LargeCurve:
 
     # borders ----------------------------------------------------------------------------------------------------------
 
-    def start(self, z: Array, q: Vector) -> None:
+    def gauged(self, gauge: Any) -> Self:
+        """The same curve with what was chosen for a stretch of it, if anything was."""
+        return self if gauge is None else replace(self, gauge=gauge)
+
+    def started(self, z: Array, q: Vector) -> Self:
         """Borders from a critical eigenvector q; at a BT, from q0 + i q1 with A q0 = 0, A q1 = q0."""
         q = np.asarray(q)
         if self.type == "LP":
             c = np.real(q) / norm(np.real(q))
-            self.memory.borders = self._best(z, c)
-            return
-        real, imaginary = _axes(q) if self.kappa(z) != 0.0 else (np.real(q), np.imag(q))
-        self.memory.borders = self._hopf(z, real, imaginary)
+            return replace(self, gauge=self._best(z, c))
+        if self.kappa(z) != 0.0:
+            unit = self.unit_at(z) if self.kappa(z) > 0.0 else self.unit
+            return replace(self, gauge=self._hopf(z, *_axes(q)), unit=unit)
+        real, imaginary = np.real(q), np.imag(q)  # so fast is the motion beside a BT
+        return replace(self, gauge=self._hopf(z, real, imaginary), unit=elementary.square(norm(real) / norm(imaginary)))
 
-    def settle(self, z: Array, tangent: Array | None) -> None:
-        """Renew the borders at z: null vectors there, the left ones from a direction across the curve."""
-        known = self.memory.borders
+    def unit_at(self, z: Array) -> float:
+        """A size for kappa at z, where it is not zero; that of the eigenvalues next to the critical ones, at least."""
+        branch, point = self.branch(z)
+        values = np.sort(np.abs(branch.spectrum(point).values))
+        least = 1e-2 * elementary.square(float(values[min(2, len(values) - 1)])) if values.size else 1.0
+        return max(abs(self.kappa(z)), least)
+
+    def settled(self, z: Array, tangent: Array | None) -> Self:
+        """With borders that fit at z: null vectors there, the left ones from a direction across the curve."""
+        known = self.gauge
         assert known is not None
         at = self.singular(z, known)
-        if at is None:
-            return
+        return self if at is None else replace(self, gauge=self._fitting(z, tangent, at, known))
+
+    def _fitting(self, z: Array, tangent: Array | None, at: Folds | Hopf, known: Borders) -> Borders:
         if isinstance(at, Folds):
             c = np.real(at.at.v) / norm(np.real(at.at.v))
             b = known.b
@@ -201,15 +217,14 @@ class LargeCurve:
                 if norm(across) > 0.0:
                     across = across / norm(across)
                     b = across if float(across @ b) >= 0.0 else -across
-            self.memory.borders = Borders(b, c, c)
-            return
+            return Borders(b, c, c)
         vectors = [s.v for s in at.at]
         if at.kappa >= 0.0:
             real, imaginary = np.real(vectors[0]), np.imag(vectors[0]) / at.root
         else:
             real, imaginary = 0.5 * (vectors[0] + vectors[1]), 0.5 * (vectors[0] - vectors[1]) / at.root
         fresh = self._hopf(z, np.real(real), np.real(imaginary))
-        self.memory.borders = fresh if float(fresh.c @ known.c) >= 0.0 else replace(fresh, c=-fresh.c)
+        return fresh if float(fresh.c @ known.c) >= 0.0 else replace(fresh, c=-fresh.c)
 
     def _hopf(self, z: Array, real: Array, imaginary: Array) -> Borders:
         """c along Re q; b with a part along Im q, without which it would lose the left vector at a BT."""
@@ -249,7 +264,7 @@ class LargeCurve:
 
     def singular(self, z: Array, borders: Borders | None = None) -> Folds | Hopf | None:
         """The scalars at z; None where F_u is not finite."""
-        borders = borders or self.memory.borders
+        borders = borders or self.gauge
         linear = self.linear(z)
         if linear is None or borders is None:
             return None
@@ -259,7 +274,7 @@ class LargeCurve:
 
         if self.type == "LP":
             return Folds(linear, borders.b, borders.c, second)
-        return Hopf(linear, self.kappa(z), self.memory.size, borders.b, borders.c, second)
+        return Hopf(linear, self.kappa(z), self.unit, borders.b, borders.c, second)
 
     def residual(self, z: Array) -> Array:
         """F and the scalars, (N - 1,), unscaled."""
@@ -269,7 +284,7 @@ class LargeCurve:
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> CurveLinearisation | None:
         f = self.system.value(z[: self.n], self.full_parameters(z))
-        borders = self.memory.borders
+        borders = self.gauge
         at = self.singular(z) if np.all(np.isfinite(f)) else None
         linear = self.linear(z)
         if at is None or linear is None or borders is None:

@@ -78,7 +78,7 @@ def tests_at(problem: OnLargeCurve, z: Array) -> tuple[Array, int, NDArray[np.co
         product = sign * float(np.abs(real).min()) / largest
     kappa = problem.curve.kappa(z)
     typical = elementary.square(float(np.sort(np.abs(rest))[0])) if rest.size else 1.0
-    visible = kappa > ROUNDED * problem.curve.memory.size  # nearer to a BT only rounding is left of l1, which grows
+    visible = kappa > ROUNDED * problem.curve.unit  # nearer to a BT only rounding is left of l1, which grows
     lyapunov = _lyapunov(problem, z) * np.sign(product) if visible else 0.0
     return np.array([kappa / max(typical, 1e-300), product, pair, lyapunov]), unstable, values
 
@@ -185,8 +185,8 @@ def _folds_through(problem: OnLargeCurve, z: Array) -> tuple[OnLargeCurve, Array
     hopf = problem.curve
     folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
     moved = np.concatenate([z[: problem.n], z[-2:]])
-    folds.start(moved, np.real(hopf.pairs_at(z).at[0].v))
-    return replace(problem, curve=folds), moved
+    started = folds.started(moved, np.real(hopf.pairs_at(z).at[0].v))
+    return replace(problem, curve=started), moved
 
 
 def _takens_by_frequency(problem: OnLargeCurve, near: Sample, frame: Frame, refused: Outcome) -> Outcome:
@@ -194,14 +194,14 @@ def _takens_by_frequency(problem: OnLargeCurve, near: Sample, frame: Frame, refu
 
     So it is where the equilibrium exists at all parameters: a curve of branch points passes there. kappa is an unknown.
     """
-    size = problem.curve.memory.size
+    size = problem.curve.unit
     found = secant(problem, near, frame, lambda at: problem.curve.kappa(at.z) / size)
     if found is None or not max(found.at.residual, abs(found.left)) < RESIDUAL_LIMIT:
         return refused
     locus, z = _folds_through(problem, found.at.z)
-    own = problem.curve.memory.borders  # F_p is no border there, and <p, q0> = 0: these hold a part along q1
+    own = problem.curve.gauge  # F_p is no border there, and <p, q0> = 0: these hold a part along q1
     assert own is not None
-    locus.curve.memory.borders = replace(own, regular=own.c)
+    locus = replace(locus, curve=locus.curve.gauged(replace(own, regular=own.c)))
     there = _described(locus, "BT", z, max(found.at.residual, abs(found.left)), found.error, frame.scale[-2:])
     return replace(there, z=np.concatenate([z[: problem.n], [0.0], z[-2:]]))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,6 @@ from contin.loci.codim2.events import test_of
 from contin.loci.curve_of_points import scalar_columns
 from contin.loci.sparse import events
 from contin.loci.sparse.on_large_curve import OnLargeCurve
-from contin.machine import elementary
 from contin.problems.state_columns import state_columns
 
 POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0)
@@ -41,17 +41,8 @@ class LargeLocus(OnLargeCurve):
         states = branch.initial_scale(point, bounds)
         middle = []
         if self.curve.has_scalar:
-            kappa = abs(self.curve.kappa(z))
-            if kappa > 0.0:
-                self.curve.memory.size = max(kappa, self._smallest(z))
-            middle = [self.curve.memory.size]
+            middle = [self.curve.unit_at(z) if self.curve.kappa(z) != 0.0 else self.curve.unit]
         return np.concatenate([states[:-1], middle, [self.widths(z, bounds)[1], float(states[-1]) / 2.0]])
-
-    def _smallest(self, z: Array) -> float:
-        """A size for kappa where it is zero: that of the eigenvalues next to the critical ones, squared."""
-        branch, point = self.curve.branch(z)
-        values = np.sort(np.abs(branch.spectrum(point).values))
-        return 1e-2 * elementary.square(float(values[min(2, len(values) - 1)])) if values.size else 1.0
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         self.curve.precisely(z)
@@ -62,20 +53,27 @@ class LargeLocus(OnLargeCurve):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.curve.settle(origin.z, origin.tangent * frame.scale)
-        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self)
+        known = self.curve.gauged(frame.gauge)
+        own = replace(self, curve=known.settled(origin.z, origin.tangent * frame.scale))
+        chunk = python_march.march(own, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self)
+        return replace(chunk, gauge=own.curve.gauge)
+
+    def _beside(self, frame: Frame) -> Self:
+        """The curve as it is looked at next to a chunk."""
+        return replace(self, curve=self.curve.gauged(frame.gauge))
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        return python_march.probe(self, base, length, guess, frame, settings)
+        return python_march.probe(self._beside(frame), base, length, guess, frame, settings)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         start = guess.copy()
         start[index] = value
         row = np.zeros(len(start))
         row[index] = 1.0
+        own = self.curve.settled(guess, None)
 
         def correct(z: Array) -> tuple[float, Array] | None:
-            here = self.linearisation(z, row, scale)
+            here = own.linearisation(z, row, scale)
             if here is None:
                 return None
             step = here.solve(np.append(-here.residual, 0.0))
@@ -97,7 +95,7 @@ class LargeLocus(OnLargeCurve):
             return NOTHING
         self.curve.precisely(near.z)
         try:
-            return events.verify(self, type_, near, frame)
+            return events.verify(self._beside(frame), type_, near, frame)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             return unverified(type_, str(error))
 
