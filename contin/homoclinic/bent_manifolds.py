@@ -17,14 +17,14 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.symbolic.passes.connecting import adjoint_name
 
 if TYPE_CHECKING:
-    from contin.homoclinic.ends_of_connection import EndsOfConnection as ConnectionToCycle
+    from contin.homoclinic.ends_of_connection import EndsOfConnection
 
 FARTHER: Final = 4.0  # times as far as the end, of an equilibrium
 SAMPLES: Final = 4001
 SEEN: Final = 1e-2  # of a cycle's extent, from which on offsets tell how the manifolds bend
 
 
-def bends(problem: ConnectionToCycle, z: Array) -> dict[str, float]:
+def bends(problem: EndsOfConnection, z: Array) -> dict[str, float]:
     """What the conditions at the ends miss on the true manifolds, by the names of their constants `part..`."""
     profile = problem.profile(z)
     values = dict(zip(problem.two.parameters, problem.full_parameters(z)[:-1].tolist(), strict=True))
@@ -37,7 +37,7 @@ def bends(problem: ConnectionToCycle, z: Array) -> dict[str, float]:
     return found
 
 
-def _of_cycle(problem: ConnectionToCycle, profile: Profile, values: dict[str, float], place: int) -> dict[str, float]:
+def _of_cycle(problem: EndsOfConnection, profile: Profile, values: dict[str, float], place: int) -> dict[str, float]:
     """Some turns farther along the orbit, at the same phase: where its offset is well above the errors of the mesh."""
     names, states = problem.two.names, problem.model.state_names
     n, clock = len(states), values["T:"] * values[f"period:{problem.cycles[0]}"]
@@ -57,7 +57,7 @@ def _of_cycle(problem: ConnectionToCycle, profile: Profile, values: dict[str, fl
 
 
 def _of_equilibrium(
-    problem: ConnectionToCycle, profile: Profile, values: dict[str, float], place: int
+    problem: EndsOfConnection, profile: Profile, values: dict[str, float], place: int
 ) -> dict[str, float]:  # fmt: skip
     """Where it is a few times as far from the equilibrium."""
     states = problem.model.state_names
