@@ -33,12 +33,13 @@ class Converged(Generic[T]):
     """Where corrections end.
 
     made : size of the last one that was made, inf where none was.  left : of the last one that is known: the same, or
-    that of the rounding error that is left.
+    that of the rounding error that is left.  exhausted : the budget ended them, before they settled or stalled.
     """
 
     at: T
     made: float
     left: float
+    exhausted: bool = False
 
 
 def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rules) -> Converged[T] | None:
@@ -58,8 +59,8 @@ def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rule
             return Converged(at, before, size)
         at, before = there, size
         if size < rules.settled:
-            break
-    return Converged(at, before, before) if before < max(rules.settled, rules.stalled) else None
+            return Converged(at, size, size)
+    return Converged(at, before, before, exhausted=True) if before < rules.stalled else None
 
 
 def by_steps(

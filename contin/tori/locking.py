@@ -11,6 +11,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError
+from contin.linalg.newton import Rules, newton
+from contin.linalg.vectors import norm
 from contin.tori.equations import Circle, Metric
 from contin.tori.strobe import Strobe
 
@@ -102,19 +104,21 @@ def _newton(strobe: Strobe, metric: Metric, u: Array, q: int, time: float, value
 
     Corrections are the shortest ones; of an autonomous flow T is free.
     """
-    time = time if strobe.free_time else strobe.time(value)
-    for _ in range(STEPS):
+    start = u, time if strobe.free_time else strobe.time(value)
+
+    def correct(at: tuple[Array, float]) -> tuple[float, tuple[Array, float]]:
+        u, time = at
         gap, product, by_time = _returned(strobe, u, q, time, value)
         matrix = (product - np.eye(strobe.n)) * metric.sizes[None, :] / metric.sizes[:, None]
         if strobe.free_time:
             matrix = np.column_stack([matrix, by_time * time / metric.sizes])
         step = np.linalg.lstsq(matrix, -gap / metric.sizes, rcond=1e-10)[0]
-        if not np.all(np.isfinite(step)) or np.linalg.norm(step) > 1.0:
-            break
-        u = u + step[: strobe.n] * metric.sizes
-        time = time * (1.0 + float(step[-1])) if strobe.free_time else time
-        if np.linalg.norm(step) < SETTLED:
-            left = np.abs(_returned(strobe, u, q, time, value)[0] / metric.sizes).max()
-            if left < 100.0 * SETTLED:
-                return u, np.abs(np.linalg.eigvals(product))
+        later = time * (1.0 + float(step[-1])) if strobe.free_time else time
+        return norm(step), (u + step[: strobe.n] * metric.sizes, later)
+
+    found = newton(correct, start, Rules(settled=SETTLED, stalled=SETTLED, far=1.0, budget=STEPS))
+    if found is not None and not found.exhausted:
+        gap, product, _ = _returned(strobe, found.at[0], q, found.at[1], value)
+        if np.abs(gap / metric.sizes).max() < 100.0 * SETTLED:
+            return found.at[0], np.abs(np.linalg.eigvals(product))
     raise NoSolutionError("no periodic solution is found")

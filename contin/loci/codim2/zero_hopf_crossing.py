@@ -18,6 +18,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
+from contin.linalg.newton import Rules, by_steps
 from contin.machine import elementary
 from contin.problems.equilibria import defining
 
@@ -30,7 +31,7 @@ CURVATURE: Final = 1e-4  # scaled, of the second derivative of the curve's equat
 RANK: Final = 1e-5  # a singular value below this part of the largest is zero
 EXACT: Final = 1e-7  # ... at the point itself
 REAL: Final = -1e-10  # of the squared size of the quadratic form: a discriminant below this has no real roots
-FAR: Final = 1e3  # a scaled Newton step longer than this leads away
+NEWTON: Final = Rules(defining.SETTLED, defining.STALLED, far=1e3, budget=defining.NEWTON_BUDGET)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,22 +62,17 @@ def solve(problem: CurveOfPoints, eigenvalue: Callable[[Array], float], near: Sa
         f, jacobian = curve.linearise(y * scale, parameters)
         return np.append(f / rows, conditions(y * scale)), jacobian * scale / rows[:, None]
 
-    y, before = near.z / scale, np.inf
-    for _ in range(defining.NEWTON_BUDGET):
+    def step(y: Array) -> Array | None:
         g, jacobian = system(y)
         matrix = np.vstack([jacobian, _gradients(conditions, y, scale)])
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
             return None
-        step = -np.linalg.lstsq(matrix, g, rcond=None)[0]
-        length = float(np.linalg.norm(step))
-        if length > FAR or (length >= before and before < defining.STALLED):
-            break
-        y = y + step
-        if length < defining.SETTLED or (length >= 0.5 * before and length < defining.STALLED):
-            break
-        before = length
-    else:
+        return np.asarray(-np.linalg.lstsq(matrix, g, rcond=None)[0])
+
+    found = by_steps(step, near.z / scale, 1.0, NEWTON)
+    if found is None or found.exhausted:
         return None
+    y = found.at
     g, jacobian = system(y)
     matrix = np.vstack([jacobian, _gradients(conditions, y, scale)])
     values = np.linalg.svd(matrix, compute_uv=False)

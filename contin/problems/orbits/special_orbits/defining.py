@@ -15,6 +15,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
+from contin.linalg.newton import Rules, newton
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.linear import OrbitLinear
@@ -26,9 +28,7 @@ from contin.problems.orbits.special_orbits.held_parameter import HeldCurve
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-NEWTON_BUDGET: Final = 12
-SETTLED: Final = 1e-13
-STALLED: Final = 1e-7
+NEWTON: Final = Rules(settled=1e-13, stalled=1e-7, far=1e2)
 PERTURBATION: Final = 1e-10
 SAMPLES: Final = 2
 SCATTERED: Final = 4.0  # the error beside the largest of so few samples of rounding
@@ -105,25 +105,15 @@ def _newton(
 ) -> SolvedOrbit | None:
     curve = HeldCurve.of(type_, problem)
     metric = curve.join(scale, float(scale[-1]), 1.0)
-    x, before = curve.join(z, float(z[-1]), float(elementary.cos(theta)) if type_ == "NS" else 0.0), np.inf
-    curve = curve.settled(x, metric)
-    for _ in range(NEWTON_BUDGET):
+    start = curve.join(z, float(z[-1]), float(elementary.cos(theta)) if type_ == "NS" else 0.0)
+    curve = curve.settled(start, metric)
+
+    def correct(x: Array) -> tuple[float, Array] | None:
         found = curve.step(x, metric)
-        if found is None:
-            return None
-        step = found.step
-        size = float(np.linalg.norm(step[:-1]))
-        if not np.isfinite(size) or size > 1e2 or (size >= before and before < STALLED and size > STALLED):
-            return None
-        if size >= 0.5 * before and size < STALLED:
-            break
-        x = x + metric * step
-        if size < SETTLED:
-            break
-        before = size
-    else:
-        return None
-    return _measured(problem, curve, x, scale, metric, samples)
+        return None if found is None else (norm(found.step[:-1]), x + metric * found.step)
+
+    found = newton(correct, start, NEWTON)
+    return None if found is None or found.exhausted else _measured(problem, curve, found.at, scale, metric, samples)
 
 
 def _measured(
