@@ -7,27 +7,9 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Final
 
+from contin.model.binding import AND, ATOM, COMPARE, NOT, OR, POWER, PRODUCT, SIGN, SUM, TERNARY
 from contin.model.expression import COMPARISONS, Expression, Number, number, numeric_value
-from contin.model.printing import (
-    AND,
-    ATOM,
-    COMPARE,
-    NOT,
-    OR,
-    POWER,
-    PRODUCT,
-    SIGN,
-    SUM,
-    TERNARY,
-    Alphabet,
-    Piece,
-    finite_decimal,
-    is_division,
-    joined,
-    leading_number,
-    summed,
-    written,
-)
+from contin.model.printing import Alphabet, Piece, finite_decimal, is_division, joined, leading_number, summed, written
 
 _GREEK: Final = frozenset(
     "alpha beta gamma delta epsilon varepsilon zeta eta theta vartheta iota kappa lambda mu nu xi pi rho sigma tau "

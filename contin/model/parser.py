@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from contin.errors import ExpressionError
-from contin.model import advice, features
+from contin.model import advice, binding, features
 from contin.model.expression import (
     COMPARISONS,
     MINUS_ONE,
@@ -39,17 +39,17 @@ from contin.model.vocabulary import BINARY_FUNCTIONS, FUNCTIONS, VARIADIC_FUNCTI
 MAX_DEPTH: Final = 1000  # open brackets and operators at one place
 
 _LEVELS: Final = {
-    "bracket": -1,
-    "if": 0,
-    "else": 0,
-    "or": 1,
-    "and": 2,
-    "not": 3,
-    "compare": 4,
-    "sum": 5,
-    "product": 6,
-    "sign": 7,
-    "power": 8,
+    "bracket": binding.TERNARY - 1,
+    "if": binding.TERNARY,
+    "else": binding.TERNARY,
+    "or": binding.OR,
+    "and": binding.AND,
+    "not": binding.NOT,
+    "compare": binding.COMPARE,
+    "sum": binding.SUM,
+    "product": binding.PRODUCT,
+    "sign": binding.SIGN,
+    "power": binding.POWER,
 }
 _BINARY: Final = {
     "or": "or",

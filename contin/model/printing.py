@@ -12,13 +12,12 @@ from fractions import Fraction
 from typing import Final, Union
 
 from contin.errors import InputError
+from contin.model.binding import AND, ATOM, COMPARE, NOT, OR, POWER, PRODUCT, SIGN, SUM, TERNARY
 from contin.model.expression import COMPARISONS, MINUS_ONE, Expression, Number, number, numeric_value
 from contin.model.folding import SHORT_DIGITS, significant_digits
 
 MAX_TEXT: Final = 20_000_000  # characters; shared parts are written out wherever they occur
 
-# Levels of binding, as in the parser
-TERNARY, OR, AND, NOT, COMPARE, SUM, PRODUCT, SIGN, POWER, ATOM = range(10)
 Piece = Union[str, tuple[Expression, int]]  # text, or a node with the weakest level it may have without parentheses
 
 

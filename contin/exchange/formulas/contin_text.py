@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from typing import Final, TypeAlias
 
 from contin.exchange.formulas.tree import COMPARISONS, LOGICAL, Node
+from contin.model.binding import AND, ATOM, COMPARE, NOT, OR, POWER, PRODUCT, SIGN, SUM, TERNARY
 
-TERNARY, OR, AND, NOT, COMPARE, SUM, PRODUCT, SIGN, POWER, ATOM = range(10)
 Call: TypeAlias = Callable[["Writer", Node], Node | str]
 _LEVELS: Final = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
 

@@ -11,12 +11,12 @@ from typing import Final
 
 from contin.exchange.imported import UnsupportedError
 from contin.exchange.writing.language import Language
+from contin.model.binding import ATOM, POWER, PRODUCT, SUM
 from contin.model.expression import COMPARISONS, Expression, Number, numeric_value
 from contin.model.printing import finite_decimal
 from contin.model.vocabulary import LOGICAL
 
 SHORT: Final = 24  # characters of a shared part that is written again rather than named
-SUM, PRODUCT, POWER, ATOM = range(4)
 
 
 @dataclass(frozen=True, slots=True)
