@@ -170,7 +170,7 @@ class BoundaryProblem(BoundaryEquations):
         p = self.full_parameters(z)
         for s, u in zip(times, profile.at(times), strict=True):
             p[-1] = s
-            text = self.two.explain(u, p)
+            text = self.two.why_not_finite(u, p)
             if text:
                 return text
         return ""

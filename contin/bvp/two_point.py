@@ -68,7 +68,7 @@ class TwoPoint:
         assert self.model.interval is not None
         return self.model.interval.end - self.model.interval.start
 
-    def explain(self, u: Array, p: Array) -> str:
+    def why_not_finite(self, u: Array, p: Array) -> str:
         """Why the equations have no value at u (n,) and p (m + 1,), in the user's own formulas; empty where they have.
 
         The last entry of p is the place s in [0, 1].
@@ -80,7 +80,7 @@ class TwoPoint:
         known[interval.name] = start + (ends[interval.end] - start) * float(p[-1])
         written = dict(zip(self.model.state_names, self.model.equations, strict=True))
         text = explain_not_finite(written, known)
-        return f"Not finite at this point: {text}" if text else (self.system.explain(u, p) or "")
+        return f"Not finite at this point: {text}" if text else (self.system.why_not_finite(u, p) or "")
 
 
 def two_point(model: Model, free: Sequence[str]) -> TwoPoint:

@@ -25,7 +25,7 @@ from contin.continuation.problem import (
     Sample,
     Stop,
     Verified,
-    is_planar,
+    in_two_parameters,
 )
 from contin.continuation.segment import Piece, Row
 from contin.linalg.vectors import dot
@@ -145,7 +145,7 @@ class Arm:
 
     def _with_zeros(self, chunk: Chunk, piece: Piece) -> Piece:
         """The piece with a note where tests of points of codimension two have been zero to their rounding errors."""
-        if not is_planar(self.problem):
+        if not in_two_parameters(self.problem):
             return piece
         rows = self.zeros.passed(chunk, piece.found)
         notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
@@ -155,7 +155,7 @@ class Arm:
         """The last samples in another metric, where states have outgrown theirs."""
         if chunk.stop is Stop.RESCALE:
             return self._measure_in(outgrown(self.problem, origin.z, self.scale), origin, before)
-        if is_planar(self.problem):
+        if in_two_parameters(self.problem):
             return origin, before
         longer = travelled(chunk.z[0], chunk.z[-1], self.scale, self.problem.angle_periods)
         return (origin, before) if longer is None else self._measure_in(longer, origin, before)

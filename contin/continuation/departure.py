@@ -19,7 +19,7 @@ from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
 from contin.continuation.location.own_tests import own_tests
 from contin.continuation.location.targets import Wanted
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, in_two_parameters
 from contin.continuation.segment import Piece
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NotFiniteError
@@ -139,7 +139,7 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
             f"the start has {parameter} = {seed.z[-1]:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]"
         )
     names = problem.parameters
-    if is_planar(problem):
+    if in_two_parameters(problem):
         for name, (index, lowest, highest) in zip(names[1:], problem.walls, strict=False):
             if not lowest <= seed.z[index] <= highest:
                 raise InputError(
@@ -230,7 +230,7 @@ def _oriented(sample: Sample, sense: int) -> Sample:
 def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:
     """An arm that would leave the range at once."""
     problem, names = seed.problem, seed.problem.parameters
-    if is_planar(problem):
+    if in_two_parameters(problem):
         for name, (index, lowest, highest) in zip(names[1:], problem.walls, strict=False):
             value, rate = start.z[index], sense * start.tangent[index]
             if (value >= highest and rate > 0) or (value <= lowest and rate < 0):

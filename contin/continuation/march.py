@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Failure, Frame, Planar, Sample, Stop
+from contin.continuation.problem import Chunk, Failure, Frame, InTwoParameters, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels import steering
 from contin.kernels.steering import AT_CORNER, RESCALE_AT, STAGNATION, STRAYED, TURNED, is_dip
@@ -235,9 +235,9 @@ def probe(
 def march(
     problem: Marchable, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
     bounds: tuple[float, float], settings: Settings, loop: Sample | None, again: Again | None = None,
-    planar: Planar | None = None, decisions: Decisions = EQUILIBRIA,
+    walled: InTwoParameters | None = None, decisions: Decisions = EQUILIBRIA,
 ) -> Chunk:  # fmt: skip
-    """`Problem.march` in terms of linearisations; `again`: see `correct`; `planar` where a second parameter varies."""
+    """`Problem.march` in terms of linearisations; `again`: see `correct`; `walled` where a second parameter varies."""
     scale = frame.scale
     target_angle = np.radians(settings.max_angle) / 2.5
     evaluations = 1
@@ -284,7 +284,7 @@ def march(
             decisions.iterations, settings.min_step, settings.max_step,
         )  # fmt: skip
         stop, dipped = _what_happened(
-            problem, old, last, sample, h_previous, h_used, bounds, planar, loop, scale, corner, decisions.dips
+            problem, old, last, sample, h_previous, h_used, bounds, walled, loop, scale, corner, decisions.dips
         )
         if stop is not None:
             return chunk(stop, h, dipped)
@@ -358,13 +358,14 @@ def _step(
 
 def _what_happened(
     problem: Marchable, old: Sample | None, last: Sample, sample: Sample, h_previous: float, h: float,
-    bounds: tuple[float, float], planar: Planar | None, loop: Sample | None, scale: Array, corner: bool, dips: int,
+    bounds: tuple[float, float], walled: InTwoParameters | None, loop: Sample | None, scale: Array, corner: bool,
+    dips: int,
 ) -> tuple[Stop | None, int]:  # fmt: skip
     if corner:
         return Stop.CORNER, 0
     periods = problem.angle_periods
-    grows = periods == 0 if planar is None else planar.growing[:-1]
-    walls = [(-1, *bounds)] if planar is None else planar.walls
+    grows = periods == 0 if walled is None else walled.growing[:-1]
+    walls = [(-1, *bounds)] if walled is None else walled.walls
     if any(not lowest <= sample.z[index] <= highest for index, lowest, highest in walls):
         return Stop.BOUND, 0
     if sample.unstable != last.unstable or steering.crossed(sample.tests, last.tests[None], 0):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Problem, Sample, is_planar
+from contin.continuation.problem import Problem, Sample, in_two_parameters
 
 FAR: Final = 10.0  # scales; a state that grows is rescaled long before
 JOURNEY: Final = 20.0  # scales that such a state may move in one chunk
@@ -39,7 +39,7 @@ def travelled(before: Array, after: Array, scale: Array, angle_periods: Array) -
 def outgrown(problem: Problem, z: Array, scale: Array) -> Array:
     """The scale at a point z where a march returned because a state has outgrown its own."""
     angles = problem.angle_periods
-    far = ~problem.growing[:-1] if is_planar(problem) else far_from_zero(z, scale, angles)
+    far = ~problem.growing[:-1] if in_two_parameters(problem) else far_from_zero(z, scale, angles)
     grown = scale.copy()
     larger = np.maximum(scale[:-1], np.sqrt(len(scale) - 1) * np.abs(z[:-1]))
     grown[:-1] = np.where(far | (angles > 0.0), scale[:-1], larger)

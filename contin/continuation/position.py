@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from contin.abi import Array
-from contin.continuation.problem import Problem, is_planar
+from contin.continuation.problem import Problem, in_two_parameters
 
 
 def position(problem: Problem, z: Array) -> str:
     """`p = 1.25`, or `p = 1.25, q = 3` on a curve in several parameters, whose walls say where in z each stands."""
-    places = [index for index, _, _ in reversed(problem.walls)] if is_planar(problem) else [-1]
+    places = [index for index, _, _ in reversed(problem.walls)] if in_two_parameters(problem) else [-1]
     return ", ".join(f"{name} = {z[place]:.10g}" for name, place in zip(problem.parameters, places, strict=False))

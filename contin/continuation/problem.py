@@ -214,7 +214,7 @@ class Floor:
         return np.asarray((rows[:, self.index] - self.lowest) / scale[self.index])
 
 
-class Planar(Protocol):
+class InTwoParameters(Protocol):
     """A problem with two varying parameters: the second one, an unknown too, has bounds of its own."""
 
     @property
@@ -241,7 +241,7 @@ class Problem(ABC):
     1.  Derive from this class. What is abstract here is asked of everybody; the rest is optional, and what stands here
         is right for a problem that has no such thing.
     2.  z = (state unknowns, varying parameter) has N components, F(z) = 0 has N - 1; both vary along a branch only
-        where the problem is `adaptive`. Problems with a `locus` have two varying parameters, and are `Planar`.
+        where the problem is `adaptive`. Problems with a `locus` have two varying parameters, and are `InTwoParameters`.
     3.  Tangents are unit vectors in scaled unknowns z / scale; `Sample.tangent` keeps its sense along an arm.
     4.  Row 0 of a chunk repeats `origin`. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was
         seen; on all other stops every row is accepted.
@@ -501,6 +501,6 @@ class Problem(ABC):
         return ""
 
 
-def is_planar(problem: object) -> TypeGuard[Planar]:
+def in_two_parameters(problem: object) -> TypeGuard[InTwoParameters]:
     """True for problems in two varying parameters."""
     return isinstance(problem, Problem) and problem.locus is not None

@@ -30,7 +30,7 @@ from contin.continuation.problem import (
     Problem,
     Sample,
     Verified,
-    is_planar,
+    in_two_parameters,
 )
 from contin.continuation.rows import Rows
 from contin.continuation.segment import Piece
@@ -194,7 +194,7 @@ def _assemble(
         if reason == "closed":  # the start once more
             unstable[row] = unstable[start_row]
             born += [row] if seed.born else []
-    told = is_planar(problem) and bool(properties)  # as that eigenvalues stay critical: their signs are rounding
+    told = in_two_parameters(problem) and bool(properties)  # critical eigenvalues that stay: their signs are rounding
     labels = [(row, point, float(raw_tangents[row, -1] / scale[-1])) for row, point, scale in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
     everywhere = [] if told else unexplained(unstable, labels, born, (), exact)  # with those where equations jump

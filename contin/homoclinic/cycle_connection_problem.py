@@ -238,5 +238,5 @@ class CurveOfConnections(OnAdaptiveMesh, ConnectionToCycle):
         still = replace(self, angle_periods=np.zeros(origin.z.size - 1))
         limit = min(limit, CHUNK)
         return python_march.march(
-            still, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self
+            still, origin, before, length, frame, step, limit, bounds, settings, loop, walled=self
         )

@@ -59,7 +59,7 @@ class CompiledSystem:
     df/dt; so p and z = (u, p) have `p_size` and `n + p_size` components. Methods and addresses may be used from several
     threads at once. Copies and pickles carry the model and compile again.
 
-    Where an equation is not finite, so are the results; `explain` says why. Nothing is raised.
+    Where an equation is not finite, so are the results; `why_not_finite` says why. Nothing is raised.
     """
 
     def __init__(self, model: Model, regular: bool = False, timed: bool = False) -> None:
@@ -260,7 +260,7 @@ class CompiledSystem:
                 self._pieces = compile_pieces(self._equations, self.layout, TIME if self.is_forced else None)
             return self._pieces
 
-    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which equation, or entry of the Jacobian, is not finite at this point and why; None if all are finite."""
         z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
         if self.n and np.all(np.isnan(z[: self.n])):  # no equation is the cause
@@ -280,14 +280,14 @@ class CompiledSystem:
         first = self.state_names[bad_rows[0]] if len(bad_rows) else next(iter(suspects))
         return f"not finite at this point: {reason or f'equation {first}'}"
 
-    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which observable is not finite at this point and why; None if all are."""
         z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
         named = dict(zip(self.observable_names, self._observables, strict=True))
         return explain_not_finite(named, dict(zip(self.layout.names, z.tolist(), strict=False)), "observable") or None
 
     def trouble_near(self, u: Array, p: Array) -> str | None:
-        """Formulas do not fail (`explain` finds where they are not finite)."""
+        """Formulas do not fail (`why_not_finite` finds where they are not finite)."""
         return None
 
     # compilation

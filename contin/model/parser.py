@@ -73,7 +73,7 @@ class Operand:
 
 
 @dataclass(slots=True)
-class _Frame:
+class _Waiting:
     """An operator, or bracket, that waits for its last operand."""
 
     kind: str
@@ -116,7 +116,7 @@ class _Parser:
     def __init__(self, tokens: list[Token], scope: Scope) -> None:
         self.tokens = tokens
         self.scope = scope
-        self.stack = [_Frame("bracket", 0)]
+        self.stack = [_Waiting("bracket", 0)]
 
     def run(self) -> Operand:
         value: Operand | None = None  # None while an operand is expected
@@ -133,11 +133,11 @@ class _Parser:
                 value = self.operator(token, value)
                 i += 1
 
-    def push(self, frame: _Frame) -> None:
+    def push(self, waiting: _Waiting) -> None:
         if len(self.stack) >= MAX_DEPTH:
             message = f"nested deeper than {MAX_DEPTH} levels: split the formula with definitions"
-            raise ExpressionError(message, frame.position)
-        self.stack.append(frame)
+            raise ExpressionError(message, waiting.position)
+        self.stack.append(waiting)
 
     # Where an operand may start ---------------------------------------------------------------------------------------
 
@@ -153,13 +153,13 @@ class _Parser:
         if text == "pi":
             return Operand(PI, False, position), 1
         if text == "(":
-            self.push(_Frame("bracket", position))
+            self.push(_Waiting("bracket", position))
         elif text in ("+", "-"):
-            self.push(_Frame("sign", position, ops=[text]))
+            self.push(_Waiting("sign", position, ops=[text]))
         elif text == "not":
             if _LEVELS[self.stack[-1].kind] > _LEVELS["not"]:
                 raise ExpressionError("put 'not ...' in parentheses here", position)
-            self.push(_Frame("not", position))
+            self.push(_Waiting("not", position))
         else:
             raise self.missing_operand(token)
         return None, 1
@@ -176,7 +176,7 @@ class _Parser:
             raise ExpressionError(
                 advice.unknown_function(name, [*self.scope.functions, *self.scope.calls]), token.position
             )
-        self.push(_Frame("bracket", token.position, name=name))
+        self.push(_Waiting("bracket", token.position, name=name))
         return None, 2
 
     def name(self, token: Token) -> Operand:
@@ -210,7 +210,7 @@ class _Parser:
             value = self.close_above(_LEVELS[kind], value)
             top = self.stack[-1]
             if top.kind != kind or kind == "power":
-                top = _Frame(kind, value.position)
+                top = _Waiting(kind, value.position)
                 self.push(top)
             top.items.append(value)
             top.ops.append(text)
@@ -219,7 +219,7 @@ class _Parser:
             value = self.close_above(_LEVELS["if"], value)
             if self.stack[-1].kind == "if":
                 raise ExpressionError("put the inner 'u if c else v' in parentheses", token.position)
-            self.push(_Frame("if", token.position, [value]))
+            self.push(_Waiting("if", token.position, [value]))
             return None
         if text == "else":
             value = self.close_above(_LEVELS["if"], value)
@@ -260,11 +260,11 @@ class _Parser:
             value = self.close(self.stack.pop(), value)
         return value
 
-    def close(self, frame: _Frame, last: Operand) -> Operand:
-        kind = frame.kind
-        operands = [*frame.items, last]
+    def close(self, waiting: _Waiting, last: Operand) -> Operand:
+        kind = waiting.kind
+        operands = [*waiting.items, last]
         if kind == "if":
-            raise ExpressionError("'if' without 'else': write u if c else v", frame.position)
+            raise ExpressionError("'if' without 'else': write u if c else v", waiting.position)
         if kind == "else":
             then, condition, otherwise = operands
             _need(condition, condition=True, where="between 'if' and 'else'")
@@ -273,17 +273,17 @@ class _Parser:
             return Operand(if_(condition.node, then.node, otherwise.node), False, then.position)
         logic = kind in ("and", "or", "not")
         for operand in operands:
-            _need(operand, condition=logic, where=f"as an operand of '{kind if logic else frame.ops[0]}'")
+            _need(operand, condition=logic, where=f"as an operand of '{kind if logic else waiting.ops[0]}'")
         nodes = [operand.node for operand in operands]
-        start = frame.position if kind in ("not", "sign") else operands[0].position
-        return Operand(self.build(frame, nodes), logic or kind == "compare", start)
+        start = waiting.position if kind in ("not", "sign") else operands[0].position
+        return Operand(self.build(waiting, nodes), logic or kind == "compare", start)
 
-    def build(self, frame: _Frame, nodes: list[Expression]) -> Expression:
-        kind, ops = frame.kind, frame.ops
+    def build(self, waiting: _Waiting, nodes: list[Expression]) -> Expression:
+        kind, ops = waiting.kind, waiting.ops
         if kind == "sum":
             return add(nodes[0], *(neg(n) if op == "-" else n for op, n in zip(ops, nodes[1:], strict=True)))
         if kind == "product":
-            self.scope.budget.spend(sum(len(n.args) for n in nodes if n.op == "mul"), frame.position)
+            self.scope.budget.spend(sum(len(n.args) for n in nodes if n.op == "mul"), waiting.position)
             later = zip(ops, nodes[1:], strict=True)
             return mul(nodes[0], *(power(n, MINUS_ONE) if op == "/" else n for op, n in later))
         if kind == "power":
@@ -295,31 +295,31 @@ class _Parser:
             return pairs[0] if len(pairs) == 1 else logical("and", *pairs)
         return logical(kind, *nodes)
 
-    def close_bracket(self, frame: _Frame, last: Operand) -> Operand:
-        if frame.name is None:
-            return Operand(last.node, last.condition, frame.position)
-        operands = [*frame.items, last]
+    def close_bracket(self, waiting: _Waiting, last: Operand) -> Operand:
+        if waiting.name is None:
+            return Operand(last.node, last.condition, waiting.position)
+        operands = [*waiting.items, last]
         for operand in operands:
-            _need(operand, condition=False, where=f"as an argument of {frame.name}")
+            _need(operand, condition=False, where=f"as an argument of {waiting.name}")
         arguments = [operand.node for operand in operands]
-        own = self.scope.calls.get(frame.name)
-        found = None if own is None else own(arguments, frame.position)
+        own = self.scope.calls.get(waiting.name)
+        found = None if own is None else own(arguments, waiting.position)
         if found is not None:
-            return Operand(found, False, frame.position)
-        function = self.scope.functions.get(frame.name)
+            return Operand(found, False, waiting.position)
+        function = self.scope.functions.get(waiting.name)
         if function is not None:
             if len(arguments) != len(function.parameters):
                 wanted = len(function.parameters)
                 message = f"{function.heading} takes {wanted} argument{'s' * (wanted != 1)}, got {len(arguments)}"
-                raise ExpressionError(message, frame.position)
-            self.scope.budget.spend(function.size, frame.position)
-            return Operand(function(*arguments), function.condition, frame.position)
-        variadic = frame.name in VARIADIC_FUNCTIONS
-        wanted = 2 if variadic or frame.name in BINARY_FUNCTIONS else 1
+                raise ExpressionError(message, waiting.position)
+            self.scope.budget.spend(function.size, waiting.position)
+            return Operand(function(*arguments), function.condition, waiting.position)
+        variadic = waiting.name in VARIADIC_FUNCTIONS
+        wanted = 2 if variadic or waiting.name in BINARY_FUNCTIONS else 1
         if (len(arguments) < wanted) if variadic else (len(arguments) != wanted):
             count = f"{wanted} or more arguments" if variadic else f"{wanted} argument{'s' * (wanted != 1)}"
-            raise ExpressionError(f"{frame.name} takes {count}, got {len(arguments)}", frame.position)
-        return Operand(call(frame.name, *arguments), False, frame.position)
+            raise ExpressionError(f"{waiting.name} takes {count}, got {len(arguments)}", waiting.position)
+        return Operand(call(waiting.name, *arguments), False, waiting.position)
 
 
 def _need(operand: Operand, *, condition: bool, where: str) -> None:

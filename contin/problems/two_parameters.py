@@ -25,7 +25,7 @@ UNBOUNDED = (-np.inf, np.inf)
 
 @dataclass(frozen=True, eq=False)
 class TwoParameterProblem(Problem):
-    """The part of `Problem` and `Planar` that follows from z = (..., q, p) alone.
+    """The part of `Problem` and `InTwoParameters` that follows from z = (..., q, p) alone.
 
     A subclass adds the metric, the march and the events of its curve, the equations `curve`: these tell the type of
     their points, the system, all parameter values (base) and the places of the two that vary (first, second).

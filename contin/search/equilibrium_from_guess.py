@@ -202,7 +202,7 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array, again: int
 
     f, a = evaluate(u)
     if not np.all(np.isfinite(f)):
-        raise NotFiniteError(system.explain(u, problem.base) or "the equations are not finite at the start")
+        raise NotFiniteError(system.why_not_finite(u, problem.base) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
     scale = _scale_at(system, u, problem.base)
     best_u, best = u, history[0]

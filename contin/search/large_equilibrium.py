@@ -54,7 +54,7 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
     u = np.array(u, dtype=float)
     f = system.value(u, p)
     if not np.all(np.isfinite(f)):
-        raise NotFiniteError(system.explain(u, p) or "the equations are not finite at the start")
+        raise NotFiniteError(system.why_not_finite(u, p) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
     before = np.inf
     for _ in range(BUDGET):

@@ -198,7 +198,7 @@ def _outcome(
             f"on {surface} both formulas lead back to the surface: the solution slides along it, which is not "
             "integrated (sliding motion needs Filippov's convention, out of scope)"
         )
-    explained = system.explain(y[:n], own_parameters(system, memory.p))
+    explained = system.why_not_finite(y[:n], own_parameters(system, memory.p))
     if explained:
         return STOPPED, str(explained)
     if status == kernel.STEPS and counts[2] <= budget:

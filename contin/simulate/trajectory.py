@@ -86,7 +86,7 @@ def integrate(
             break
         allowed = raised
     if status in (kernel.SMALL, kernel.NOT_FINITE, kernel.STEPS):
-        why = system.explain(y[:n], full) or (
+        why = system.why_not_finite(y[:n], full) or (
             "the step became too small: a singularity, or a solution that escapes"
             if status != kernel.STEPS
             else f"{budget} steps were not enough, at {_largest(system, y[:n])}: the model may be stiff (use "

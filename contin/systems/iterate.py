@@ -117,10 +117,10 @@ class IteratedSystem:
             return np.empty(0)
         return np.concatenate([self.base.switches(x, p) for x in self.orbit(u, p)])
 
-    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which equation is not finite at which step, or None."""
         for step, x in enumerate(self.orbit(u, p)):
-            text = self.base.explain(x, p)
+            text = self.base.why_not_finite(x, p)
             if text:
                 return f"step {step + 1} of {self.times}: {text}"
         return None
@@ -130,9 +130,9 @@ class IteratedSystem:
         text: str | None = self.base.trouble_near(u, p)
         return text
 
-    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """As the map's, at the first point of the cycle."""
-        text: str | None = self.base.explain_observables(u, p)
+        text: str | None = self.base.why_observables_not_finite(u, p)
         return text
 
     # derivatives ----------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ Compiled models (`contin.lowering.system`), Python functions (`contin.systems.fu
 of maps (`contin.systems.iterate`) keep it. Rules for implementers:
 
 1.  u is (n,), p (m,) (with the time appended where `is_forced`), both in the order of the names; nothing is checked.
-2.  Nothing is raised for a point at which the equations have no value: results are NaN there, and `explain` says why.
+2.  Nothing is raised where the equations have no value: results are NaN there; `why_not_finite` says why.
 3.  `jacobian` gives the value too, and the derivatives in states and parameters, (n, n + m).
 4.  `derivative` takes directions (n + m,), real or complex, and is linear in each of them.
 5.  `observables` and `symmetry` take rows of points; everything else one point.
@@ -126,10 +126,10 @@ class System(Protocol):
     def margins(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Of the `limits` at N points, (N, number of limits): the equations hold where none is negative."""
 
-    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """What is not finite at this point, and why."""
 
-    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which observable is not finite at this point, and why."""
 
     def trouble_near(self, u: Array, p: Array) -> str | None:

@@ -17,7 +17,7 @@ class Placed:
 
 
 def test_parameters_are_read_where_the_walls_say_that_they_stand(monkeypatch):
-    monkeypatch.setattr(sys.modules[position.__module__], "is_planar", lambda problem: True)
+    monkeypatch.setattr(sys.modules[position.__module__], "in_two_parameters", lambda problem: True)
     assert position(Placed(), np.array([0.1, 0.2, 0.3, 0.4, 0.5])) == "p = 0.5, q = 0.3"
 
 

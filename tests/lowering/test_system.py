@@ -135,15 +135,15 @@ def test_nan_that_is_used_is_not_hidden(text):
 
 def test_explain_names_the_equation_and_the_reason():
     system = compiled({"x": "x", "y": "log(x - a)/2"}, ["a"])
-    assert system.explain([2.0, 0.0], [1.0]) is None
-    text = system.explain([0.5, 0.0], [1.0])
+    assert system.why_not_finite([2.0, 0.0], [1.0]) is None
+    text = system.why_not_finite([0.5, 0.0], [1.0])
     assert text.startswith("not finite at this point: equation y: 'log(x - a)'")
     assert "logarithm of a negative number" in text
-    assert system.explain([np.nan, np.nan], [1.0]).startswith("no state is a number any more")
+    assert system.why_not_finite([np.nan, np.nan], [1.0]).startswith("no state is a number any more")
 
 
 def test_explain_names_the_entry_of_the_jacobian_where_the_equations_are_finite():
-    text = compiled({"x": "y", "y": "sqrt(x) - y"}).explain([0.0, 1.0], [])
+    text = compiled({"x": "y", "y": "sqrt(x) - y"}).why_not_finite([0.0, 1.0], [])
     assert text.startswith("not finite at this point: equation d(y)/d(x): ")
     assert "division by zero" in text
 
@@ -261,7 +261,7 @@ def test_system_without_parameters_and_with_constant_equations():
     f, matrix = system.jacobian([1.0, 2.0], [])
     np.testing.assert_array_equal(f, [0.0, 1 / 3])
     np.testing.assert_array_equal(matrix, np.zeros((2, 2)))
-    assert system.explain([1.0, 2.0], []) is None
+    assert system.why_not_finite([1.0, 2.0], []) is None
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e-9, -1e-6, 1e-3, 2.6])

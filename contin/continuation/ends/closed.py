@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
-from contin.continuation.problem import is_planar
+from contin.continuation.problem import in_two_parameters
 from contin.continuation.segment import Piece
 
 BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it
@@ -25,7 +25,7 @@ def until_closed(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Pi
     Only curves of orbits in two parameters are looked at: other closed branches are seen by the march itself.
     """
     name = arm.problem.parameters[0]
-    if not (arm.problem.adaptive and is_planar(arm.problem)):
+    if not (arm.problem.adaptive and in_two_parameters(arm.problem)):
         yield from pieces
         return
     loop = _Loop(arm, start)
@@ -47,7 +47,7 @@ class _Loop:
     start: Array
 
     def __post_init__(self) -> None:
-        self.problem: Any = self.arm.problem  # of orbits: with a system, and planar
+        self.problem: Any = self.arm.problem  # of orbits: with a system, in two parameters
         problem: Any = self.problem
         self.places = [index for index, _, _ in reversed(problem.walls)][:2]  # of both parameters
         self.first = self._marks(self.start[None])[0]

@@ -14,7 +14,7 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.location.lost_digits import unresolved
-from contin.continuation.problem import Problem, is_planar
+from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.segment import Piece
 
 POWERS: Final = (*(float(f"1e{k}") for k in range(309)), np.inf)  # of ten
@@ -43,7 +43,7 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
     Periodic orbits have ends of their own; a locus may well run along a line of constant parameter, but not come ever
     nearer to one of its bounds.
     """
-    if arm.problem.adaptive and not is_planar(arm.problem):
+    if arm.problem.adaptive and not in_two_parameters(arm.problem):
         yield from pieces
         return
     record = _Record(arm, start.copy(), arm.scale[:-1].copy(), arm.problem.adaptive, last=start)
@@ -60,7 +60,9 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
 def _may_grow(problem: Problem) -> NDArray[np.bool_]:
     """True for the states: not angles, not the auxiliary vectors of a locus; without the last unknown."""
     states = problem.angle_periods == 0.0
-    return np.asarray(states & problem.identifying[:-1] & problem.growing[:-1] if is_planar(problem) else states)
+    if in_two_parameters(problem):
+        states = states & problem.identifying[:-1] & problem.growing[:-1]
+    return np.asarray(states)
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ class _Record:
         """Take the rows of one more piece."""
         if not len(piece.z):
             return None
-        if is_planar(self.arm.problem):
+        if in_two_parameters(self.arm.problem):
             return self._nearing(piece) or (None if self.adaptive else self._infinite(piece))
         size, extent = self._size(piece), piece.extent
         growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece, size)
@@ -173,7 +175,7 @@ class _Record:
     def _widths(self) -> Array:
         """Of the ranges of the varying parameters, in the order of the unknowns."""
         problem = self.arm.problem
-        walls = problem.walls if is_planar(problem) else [(-1, *self.arm.bounds)]
+        walls = problem.walls if in_two_parameters(problem) else [(-1, *self.arm.bounds)]
         widths = [high - low for _, low, high in sorted(walls)]
         return np.array([width if np.isfinite(width) else 1.0 for width in widths])
 
@@ -218,7 +220,7 @@ class _Record:
     def _nearing(self, piece: Piece) -> _Stop | None:
         """A locus that comes ever nearer to the bound of a parameter, but not onto it, while the others hardly move."""
         problem = self.arm.problem
-        walls = problem.walls if is_planar(problem) else ()
+        walls = problem.walls if in_two_parameters(problem) else ()
         parameters = piece.z[:, [place for place, _, _ in walls]]
         widths = np.array([high - low if np.isfinite(high - low) else 1.0 for _, low, high in walls])
         for name, (place, low, high) in zip(reversed(problem.parameters[: len(walls)]), walls, strict=True):

@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
-from contin.continuation.problem import Problem, Sample, Verified, is_planar
+from contin.continuation.problem import Problem, Sample, Verified, in_two_parameters
 
 SMALL: Final = 1e-3  # part of a step within which a test vanishes that is looked at on the other side of a bound
 ROUNDED: Final = 1e-14  # of the bound, or of the range
@@ -18,7 +18,7 @@ ROUNDED: Final = 1e-14  # of the bound, or of the range
 
 def walls_passed(problem: Problem, z: Array, bounds: tuple[float, float]) -> list[tuple[int, float, str]]:
     """(unknown, bound, name) of every bound that z is beyond; `bounds` are those of the last unknown."""
-    walls = problem.walls if is_planar(problem) else [(len(z) - 1, *bounds)]
+    walls = problem.walls if in_two_parameters(problem) else [(len(z) - 1, *bounds)]
     names = reversed(problem.parameters[: len(walls)])
     passed = []
     for (index, lowest, highest), name in zip(walls, names, strict=True):
@@ -69,7 +69,7 @@ def _at_value(stretch: Stretch, a: Sample, b: Sample, value: float, index: int) 
     problem, scale = stretch.problem, stretch.frame.scale
     low, high = stretch.zero(lambda s: float(s.z[index] - value), a, b, 1e-7 * stretch.distance(a, b))
     near = low if abs(low.z[index] - value) < abs(high.z[index] - value) else high
-    if is_planar(problem):
+    if in_two_parameters(problem):
         solved = problem.at_unknown(index, near.z, value, scale)
     else:
         solved = problem.at_parameter(near.z, value, scale)

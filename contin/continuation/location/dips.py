@@ -13,7 +13,7 @@ from contin.continuation.location.isolate import isolate, together_between
 from contin.continuation.location.rest_of_step import rounding
 from contin.continuation.location.sameness import same_point
 from contin.continuation.position import position
-from contin.continuation.problem import Nothing, Outcome, Rejected, Sample, Verified, is_planar
+from contin.continuation.problem import Nothing, Outcome, Rejected, Sample, Verified, in_two_parameters
 from contin.kernels.steering import is_dip
 from contin.linalg.vectors import dot
 
@@ -42,7 +42,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
     """
     items = list(_minimum(stretch, a, here, b, test))
     yield from items
-    if items or stretch.problem.adaptive or is_planar(stretch.problem) or test != stretch.problem.test_of("BP"):
+    if items or stretch.problem.adaptive or in_two_parameters(stretch.problem) or test != stretch.problem.test_of("BP"):
         return
     low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
     for item in together_between(stretch, a, b):
@@ -94,7 +94,7 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
             if stretch.length_of(trial) < 0.0:  # in the step before: a shorter last step would only not look there
                 hidden = [replace(item, suspect=False) if isinstance(item, Note) else item for item in hidden]
             items = list(_pair(stretch, low, high, a, hidden))
-            if not items and is_planar(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
+            if not items and in_two_parameters(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
                 items = [Note(where(stretch, trial, TOUCHES))]
             yield from items
             return
@@ -135,7 +135,7 @@ def _pair(
         errors = points[0].error + points[1].error
         alike = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
         one = same_point(stretch.problem, points[0], points[1], stretch.frame.scale)
-        if one and is_planar(stretch.problem):  # one of another type is passed on both sides, as a DP by a test of CP
+        if one and in_two_parameters(stretch.problem):  # another type is passed on both sides, as a DP by a test of CP
             alike |= any(_is_seen_by(stretch, points[0].type, test) for test in range(len(stretch.base.tests)))
     elif len(points) == 1 and not points[0].touches:  # the second zero was not told from the first
         alike = len(items) > 1
@@ -143,7 +143,7 @@ def _pair(
         yield from items
         return
     together: list[Outcome] = []
-    if not stretch.problem.adaptive and not is_planar(stretch.problem):
+    if not stretch.problem.adaptive and not in_two_parameters(stretch.problem):
         together = together_between(stretch, replace(low, z=points[0].z), replace(high, z=points[-1].z))
     touching = [item for item in together if isinstance(item, Verified) and item.touches]
     if touching:
@@ -156,7 +156,7 @@ def _pair(
 
 def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sample) -> Iterator[Found | Note]:
     """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
-    if is_planar(stretch.problem):
+    if in_two_parameters(stretch.problem):
         turned = high.tests.copy()
         turned[test] = -np.copysign(1.0, low.tests[test])
         low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))

@@ -35,7 +35,7 @@ from contin.continuation.problem import (
     Rejected,
     Sample,
     Verified,
-    is_planar,
+    in_two_parameters,
     unverified,
 )
 from contin.linalg.vectors import norm
@@ -125,7 +125,8 @@ def _is_plain(stretch: Stretch, found: Found, type_: str) -> bool:
     Not so where several eigenvalues vanish: tests do not vanish with the distance there, and some only jump.
     """
     several = int(found.point.vectors.get("kernel", 1)) != 1
-    return not (several or found.point.touches) and (found.point.type == type_ or not is_planar(stretch.problem))
+    alone = not (several or found.point.touches)
+    return alone and (found.point.type == type_ or not in_two_parameters(stretch.problem))
 
 
 def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], depth: int) -> Iterator[Found]:
@@ -207,7 +208,7 @@ def _turns_only(stretch: Stretch, type_: str, point: Verified, *others: Sample) 
 
     As beside a canard, where branches of orbits are vertical to rounding.
     """
-    if is_planar(stretch.problem) or stretch.problem.test_of(type_) != 0:
+    if in_two_parameters(stretch.problem) or stretch.problem.test_of(type_) != 0:
         return False
     return all(abs(float(other.z[-1] - point.z[-1])) <= point.error for other in others)
 
@@ -232,7 +233,7 @@ def next_to_event(
         return
     near, far = solved(stretch, near, far), solved(stretch, far, near)
     test = problem.test_of(event.type)
-    if test is None and is_planar(problem):
+    if test is None and in_two_parameters(problem):
         return
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
     yield from _rest(stretch, near, far, centre, crossing, 0)

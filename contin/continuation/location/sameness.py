@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Problem, Verified, is_planar
+from contin.continuation.problem import Problem, Verified, in_two_parameters
 
 SAME_POINT: Final = 1e-8  # two verified points of one type closer than this (scaled) are one
 SAME_FREQUENCY: Final = 1e-6  # relative
@@ -27,7 +27,7 @@ def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool
         return distance <= SAME_POINT + SURE * (a.error + b.error) / float(scale[-1])
     reach = float(a.vectors.get("reach", 0.0)) + float(b.vectors.get("reach", 0.0))  # of errors along the curve
     near = distance < max(SAME_POINT, 2.0 * (a.error + b.error) / float(scale[-1]), 2.0 * reach)
-    if not is_planar(problem):  # two events may be nearer than that, where both are known better
+    if not in_two_parameters(problem):  # two events may be nearer than that, where both are known better
         near &= abs(float(a.z[-1] - b.z[-1])) <= SURE * (a.error + b.error) + ROUNDING * float(scale[-1])
     return near and abs(u - v) <= SAME_FREQUENCY * (abs(u) + abs(v))
 
@@ -39,7 +39,7 @@ def offset(problem: Problem, a: Array, b: Array, scale: Array) -> Array:
 
 def seen(problem: Problem, difference: Array) -> Array:
     """A difference without the unknowns that do not tell points apart."""
-    return np.where(problem.identifying, difference, 0.0) if is_planar(problem) else difference
+    return np.where(problem.identifying, difference, 0.0) if in_two_parameters(problem) else difference
 
 
 def wrapped(problem: Problem, difference: Array) -> Array:

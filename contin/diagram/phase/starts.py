@@ -87,15 +87,15 @@ def on_branch(branch: Branch, parameter: str, bounds: Sequence[float], value: fl
 
 def on_curve(locus: Branch, problem: EquilibriumProblem, axis: int, value: float) -> list[Seed]:
     """Points of a curve on the line where the parameter across `axis` has this value, as starts of branches."""
-    planar: Any = locus.problem
-    curve = planar.curve
+    along: Any = locus.problem
+    curve = along.curve
     index = len(locus.z[0]) - (1 if axis == 1 else 2)  # where the other parameter stands
     column = locus.z[:, index] - value
     seeds = []
     for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
         t = column[row] / (column[row] - column[row + 1])
         guess = (1.0 - t) * locus.z[row] + t * locus.z[row + 1]
-        z = planar.at_unknown(index, guess, value, planar.initial_scale(guess, planar.first_bounds))
+        z = along.at_unknown(index, guess, value, along.initial_scale(guess, along.first_bounds))
         if z is None:
             continue
         p = curve.full_parameters(z)

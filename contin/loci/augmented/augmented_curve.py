@@ -28,7 +28,7 @@ TOLERANCE = 1e-11
 class AugmentedCurve(CurveEquations):
     """The equations of `CurveEquations`, followed by the march in Python."""
 
-    # -- what makes it planar ------------------------------------------------------------------------------------------
+    # -- both parameters ----------------------------------------------------------------------------------------------
 
     def within(self, *bounds: Bounds) -> AugmentedCurve:
         """The same curve with ranges of the named parameters."""
@@ -65,7 +65,7 @@ class AugmentedCurve(CurveEquations):
         if before is not None:  # whose tests of the curve were put aside
             before = replace(before, tests=np.append(np.full(TURNS, np.nan), before.tests[TURNS:]))
         chunk = python_march.march(
-            near, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self
+            near, origin, before, length, frame, step, limit, bounds, settings, loop, walled=self
         )
         chunk.tests[:, :TURNS] = 1.0
         return replace(chunk, gauge=own.base.gauge)

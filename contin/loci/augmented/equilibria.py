@@ -185,4 +185,4 @@ class EquilibriumBase(Base):
         return (*self.names, *self.system.state_names, *self.system.observable_names)
 
     def describe_failure(self, z: Array) -> str:
-        return str(self.system.explain(z[: self.problem.n], self.full_parameters(z)) or "")
+        return str(self.system.why_not_finite(z[: self.problem.n], self.full_parameters(z)) or "")

@@ -166,4 +166,4 @@ class PointBase(Base):
         return (*self.names, *self.system.state_names, *self.system.observable_names)
 
     def describe_failure(self, z: Array) -> str:
-        return str(self.system.explain(z[: self.locus.n], self.locus.curve.full_parameters(z)) or "")
+        return str(self.system.why_not_finite(z[: self.locus.n], self.locus.curve.full_parameters(z)) or "")

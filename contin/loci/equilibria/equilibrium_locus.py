@@ -294,7 +294,7 @@ class LocusProblem(CurveOfPoints):
         return seen
 
     def describe_failure(self, z: Array) -> str:
-        text = self.system.explain(z[: self.n], self.curve.full_parameters(z))
+        text = self.system.why_not_finite(z[: self.n], self.curve.full_parameters(z))
         if text:
             return str(text)
         return (

@@ -45,7 +45,7 @@ def march(
     bounds = problem.walls[-1][1:]
     march = LocusMarch(problem)
     return python_march.march(
-        march, origin, before, length, frame, step, limit, bounds, settings, loop, planar=problem,
+        march, origin, before, length, frame, step, limit, bounds, settings, loop, walled=problem,
         decisions=python_march.IN_TWO_PARAMETERS,
     )  # fmt: skip
 

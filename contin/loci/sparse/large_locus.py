@@ -55,7 +55,7 @@ class LargeLocus(OnLargeCurve):
     ) -> Chunk:  # fmt: skip
         known = self.curve.gauged(frame.gauge)
         own = replace(self, curve=known.settled(origin.z, origin.tangent * frame.scale))
-        chunk = python_march.march(own, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self)
+        chunk = python_march.march(own, origin, before, length, frame, step, limit, bounds, settings, loop, walled=self)
         return replace(chunk, gauge=own.curve.gauge)
 
     def _beside(self, frame: Frame) -> Self:
@@ -117,6 +117,6 @@ class LargeLocus(OnLargeCurve):
         return []
 
     def describe_failure(self, z: Array) -> str:
-        return self.system.explain(z[: self.n], self.curve.full_parameters(z)) or (
+        return self.system.why_not_finite(z[: self.n], self.curve.full_parameters(z)) or (
             "The defining system may be singular here (two such curves cross). Try a smaller settings.step or min_step."
         )

@@ -323,14 +323,14 @@ class EquilibriumProblem(AlgebraicEquations):
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""
-        text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
+        text: str | None = self.system.why_observables_not_finite(z[:-1], self.full_parameters(z))
         return text
 
     def describe_failure(self, z: Array) -> str:
         near = self.system.trouble_near(z[:-1], self.full_parameters(z))
         if near:
             return f"Beyond, {near}"
-        text = self.system.explain(z[:-1], self.full_parameters(z))
+        text = self.system.why_not_finite(z[:-1], self.full_parameters(z))
         if text:
             return str(text)
         _, matrix = self.linearise(z)

@@ -66,7 +66,7 @@ def march(
     detail = ""
     if stop is Stop.NOT_FINITE:
         nearby = z[m - 1] + frame.scale * info[1] * t[m - 1]
-        detail = problem.system.explain(nearby[:n], problem.full_parameters(nearby)) or ""
+        detail = problem.system.why_not_finite(nearby[:n], problem.full_parameters(nearby)) or ""
     return Chunk(
         z[:m], t[:m], tests[:m], unstable[:m], complex_of(re[:m], im[:m]), lengths[:m], stop,
         float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,

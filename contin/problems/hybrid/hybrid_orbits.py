@@ -187,7 +187,7 @@ class HybridOrbits(CycleOfEvents):
         return columns | standard_columns(self.system, columns, lambda: np.array([norm(self, row) for row in z]))
 
     def describe_failure(self, z: Array) -> str:
-        why = self.map.explain(z[:-1], self.inner.full_parameters(z))
+        why = self.map.why_not_finite(z[:-1], self.inner.full_parameters(z))
         if why:
             return f"Beyond, {why}."
         largest = float(np.nanmax(np.abs(self.multipliers(z)), initial=0.0))

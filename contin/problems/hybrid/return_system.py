@@ -232,7 +232,7 @@ class ReturnSystem:
         """The equations are exact."""
         return np.empty((len(np.atleast_2d(np.asarray(u))), 0))
 
-    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which event does not come."""
         if self.passage(u, p) is not None:
             return None
@@ -243,7 +243,7 @@ class ReturnSystem:
             done = count
         return f"{self.flow.named(self.arcs[done].event)} does not come again from here"
 
-    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Nothing is observed."""
         return None
 

@@ -178,7 +178,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
 
     def explain_columns(self, z: Array) -> str | None:
         """Why an observable is not finite on the orbit."""
-        text: str | None = self.system.explain_observables(self.beginning(z), self.full_parameters(z))
+        text: str | None = self.system.why_observables_not_finite(self.beginning(z), self.full_parameters(z))
         return text
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
@@ -201,7 +201,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
         return (f"the multiplier 1 of the last orbit is right to {error:.1g} only{more}",)
 
     def describe_failure(self, z: Array) -> str:
-        text = self.system.explain(self.beginning(z), self.full_parameters(z))
+        text = self.system.why_not_finite(self.beginning(z), self.full_parameters(z))
         if not isinstance(self.layout, OnPoints):
             return text or "Try a smaller settings.step."
         return text or f"Try a smaller settings.step, or more settings.intervals (these are {self.layout.intervals})."

@@ -154,7 +154,7 @@ class FamilyOfOrbits(InOneParameterProblem):
         u, p = self._states(orbit)
         values, matrices = self.system.jacobians(u, p)
         finite = np.isfinite(u).all(axis=1) & np.isfinite(values).all(axis=1) & np.isfinite(matrices).all(axis=(1, 2))
-        return next((text for state in u[~finite] if (text := self.system.explain(state, p[0]))), None)
+        return next((text for state in u[~finite] if (text := self.system.why_not_finite(state, p[0]))), None)
 
     def _states(self, orbit: Array) -> tuple[Array, Array]:
         """States on an orbit, and all parameters, in rows."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Sample, is_planar
+from contin.continuation.problem import Chunk, Frame, Sample, in_two_parameters
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
@@ -65,10 +65,10 @@ class MarchedInPython(OrbitCurveProblem):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         limit = min(limit, self.maximum_chunk)
-        planar = self if is_planar(self) else replace(self, first_bounds=bounds)  # then there is no `within`
+        walled = self if in_two_parameters(self) else replace(self, first_bounds=bounds)  # then there is no `within`
         own = self.with_gauge(frame.gauge).settled(origin.z, frame.scale)
         chunk = python_march.march(
-            own, origin, before, length, frame, step, limit, bounds, settings, None, own.again_in(frame.scale), planar
+            own, origin, before, length, frame, step, limit, bounds, settings, None, own.again_in(frame.scale), walled
         )
         return replace(chunk, gauge=own.curve.gauge)
 

@@ -127,7 +127,7 @@ class LargeProblem(LargeEquations):
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""
-        text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
+        text: str | None = self.system.why_observables_not_finite(z[:-1], self.full_parameters(z))
         return text
 
     def describe_failure(self, z: Array) -> str:
@@ -135,6 +135,6 @@ class LargeProblem(LargeEquations):
         near = self.system.trouble_near(u, p)
         if near:
             return f"Beyond, {near}"
-        return self.system.explain(u, p) or (
+        return self.system.why_not_finite(u, p) or (
             "Try a smaller settings.step, or a larger settings.tolerance; matrix-free: a better preconditioner."
         )

@@ -13,7 +13,7 @@ from contin.symbolic.averaging.amplitudes import MeanEquation, SlowSystem
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, plus, times, to_power
 from contin.symbolic.averaging.form_names import FORMS
 from contin.symbolic.averaging.friction import response_amplitude
-from contin.symbolic.averaging.kicks import Frame, kick_mean, kick_rates
+from contin.symbolic.averaging.kicks import Amplitudes, kick_mean, kick_rates
 from contin.symbolic.averaging.radial import RadialAverage
 from contin.symbolic.averaging.resonant import Powers
 from contin.symbolic.averaging.shared_average import shared_average
@@ -133,7 +133,7 @@ def mean_rates(
 
     def kicked(state: str) -> Expression:
         oscillators = system.oscillators
-        return add(*(kick_mean(kick, state, oscillators, Frame(amplitudes, polar)) for kick in oscillators.kicks))
+        return add(*(kick_mean(kick, state, oscillators, Amplitudes(amplitudes, polar)) for kick in oscillators.kicks))
 
     states = zip(system.oscillators.slow, system.means, strict=True)
     return tuple(add(rate(equation), kicked(state.name)) for state, equation in states)
@@ -167,5 +167,5 @@ def general_parts(
         for c, k in system.equations[i].linear:
             total = plus(total, times(c, responses[k - first]))
     for kick in oscillators.kicks:
-        total = plus(total, kick_rates(kick, i, oscillators, Frame(amplitudes, polar)))
+        total = plus(total, kick_rates(kick, i, oscillators, Amplitudes(amplitudes, polar)))
     return total

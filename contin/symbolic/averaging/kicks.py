@@ -68,7 +68,7 @@ def kick_of(event: Event, jumps: Mapping[str, Expression], when: Expression, sma
 
 
 @dataclass(frozen=True)
-class Frame:
+class Amplitudes:
     """Complex amplitudes of all that turns, with the moduli and the units A/|A| where the form has them."""
 
     amplitudes: Sequence[Complex]
@@ -91,27 +91,27 @@ class Crossings:
     happens: Expression | None
 
 
-def kick_rates(kick: Kick, i: int, oscillators: WeakOscillators, frame: Frame) -> Complex:
+def kick_rates(kick: Kick, i: int, oscillators: WeakOscillators, of: Amplitudes) -> Complex:
     """What the kick adds to A_i' in slow time."""
     pair = oscillators.pairs[i]
     position, velocity = (kick.changes.get(name, ZERO) for name in (pair.position, pair.velocity))
     if position is ZERO and velocity is ZERO:
         return ZERO, ZERO
     change: Complex = (position, neg(div(velocity, oscillators.frequency(i))))
-    return _summed(kick, change, pair.harmonic, oscillators, frame)
+    return _summed(kick, change, pair.harmonic, oscillators, of)
 
 
-def kick_mean(kick: Kick, state: str, oscillators: WeakOscillators, frame: Frame) -> Expression:
+def kick_mean(kick: Kick, state: str, oscillators: WeakOscillators, of: Amplitudes) -> Expression:
     """What the kick adds to the rate of a slow state."""
     change = kick.changes.get(state, ZERO)
     if change is ZERO:
         return ZERO
-    return _summed(kick, (change, ZERO), 0, oscillators, frame)[0]
+    return _summed(kick, (change, ZERO), 0, oscillators, of)[0]
 
 
-def _summed(kick: Kick, change: Complex, harmonic: int, oscillators: WeakOscillators, frame: Frame) -> Complex:
-    turn = Turn(oscillators, oscillators.omega, dict(enumerate(frame.amplitudes)))
-    crossings = _crossings(kick, turn, frame)
+def _summed(kick: Kick, change: Complex, harmonic: int, oscillators: WeakOscillators, of: Amplitudes) -> Complex:
+    turn = Turn(oscillators, oscillators.omega, dict(enumerate(of.amplitudes)))
+    crossings = _crossings(kick, turn, of)
     total: Complex = (ZERO, ZERO)
     for unit in crossings.instants:
         value = (turn.at(change[0], *unit), turn.at(change[1], *unit))
@@ -124,7 +124,7 @@ def _summed(kick: Kick, change: Complex, harmonic: int, oscillators: WeakOscilla
     return if_(crossings.happens, total[0], ZERO), if_(crossings.happens, total[1], ZERO)
 
 
-def _crossings(kick: Kick, turn: Turn, frame: Frame) -> Crossings:
+def _crossings(kick: Kick, turn: Turn, of: Amplitudes) -> Crossings:
     found = linear_in_turning(kick.when, turn.oscillators)
     if found is None or len({turn.oscillators.harmonics[j] for j in found[0]}) != 1:
         raise InputError(
@@ -132,7 +132,7 @@ def _crossings(kick: Kick, turn: Turn, frame: Frame) -> Crossings:
             f"{to_text(kick.when)}"
         )
     coefficients, constant = found
-    size, direction = _harmonic(coefficients, turn, frame)
+    size, direction = _harmonic(coefficients, turn, of)
     level = neg(div(constant, size))
     across = ONE if constant is ZERO else call("sqrt", call("max", ZERO, sub(ONE, power(level, TWO))))
     signs = {"up": (-1,), "down": (1,), "both": (-1, 1)}[kick.direction]
@@ -144,7 +144,7 @@ def _crossings(kick: Kick, turn: Turn, frame: Frame) -> Crossings:
 
 
 def _harmonic(
-    coefficients: Mapping[int, tuple[Expression, Expression]], turn: Turn, frame: Frame
+    coefficients: Mapping[int, tuple[Expression, Expression]], turn: Turn, of: Amplitudes
 ) -> tuple[Expression, Complex]:
     """D and exp(i delta) of sum a_j x_j + b_j y_j = D cos(h tau - delta); of one oscillator conj(A) (a - i b w)."""
     if len(coefficients) > 1:
@@ -152,7 +152,7 @@ def _harmonic(
         size = call("sqrt", add(power(p, TWO), power(q, TWO)))
         return size, (div(p, size), div(q, size))
     [(j, (a, b))] = coefficients.items()
-    modulus, unit = frame.modulus_and_unit(j)
+    modulus, unit = of.modulus_and_unit(j)
     slope = mul(b, turn.oscillators.frequency(j))
     if slope is ZERO and a is ONE:
         return modulus, conjugate(unit)

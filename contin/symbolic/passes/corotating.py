@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class _Frame:
+class _Rotation:
     """What belongs to a model in a frame: the rotation that the frame follows, and what it was made from.
 
     It is kept with that very model: of equal ones, one may be freed before the other.
@@ -98,13 +98,13 @@ def _in_frame(model: Model, equations: tuple[Expression, ...]) -> Model:
     result = model.replace(states=_normalised(model), equations=equations, rotation={})
     # the phase condition distinguishes two states, so a symmetry that exchanges them may be lost
     result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
-    frame = _Frame(tuple(model.rotation.get(name, ZERO) for name in model.state_names), model)
+    frame = _Rotation(tuple(model.rotation.get(name, ZERO) for name in model.state_names), model)
     kept_with(result, "frame", lambda: frame)
     return result
 
 
-def _frame_of(model: Model) -> _Frame | None:
-    nothing: _Frame | None = None
+def _frame_of(model: Model) -> _Rotation | None:
+    nothing: _Rotation | None = None
     return kept_with(model, "frame", lambda: nothing)
 
 

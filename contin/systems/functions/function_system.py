@@ -34,7 +34,7 @@ class FunctionSystem:
     The same methods as a compiled system has; its addresses are `NO_FUNCTION`. Jacobians are dense here.
 
     A user's function that fails where it worked before (raises, returns the wrong shape) gives NaN: a branch ends
-    there, with what was computed, and `explain` and `trouble_near` say why. At the start it is an error.
+    there, with what was computed, and `why_not_finite` and `trouble_near` say why. At the start it is an error.
     """
 
     jacobian_address = NO_FUNCTION
@@ -60,7 +60,7 @@ class FunctionSystem:
         if model.written is None:
             try_function(self, u0, p0)
         if not np.all(np.isfinite(value)):
-            raise NotFiniteError(f"{self.explain(u0, p0)} (at u0)")
+            raise NotFiniteError(f"{self.why_not_finite(u0, p0)} (at u0)")
         self.observable_names = tuple(self._recorded(u0, p0))
         taken = sorted(set(self.observable_names) & {*self.state_names, *self.parameter_names, "stable", "unstable"})
         if taken:
@@ -172,7 +172,7 @@ class FunctionSystem:
         """Functions are taken to be smooth."""
         return np.empty(0)
 
-    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """What is not finite at this point, or fails, and why; None if nothing is."""
         states, others = np.asarray(u, dtype=float), np.asarray(p, dtype=float)
         if self.model.explain is not None:
@@ -186,7 +186,7 @@ class FunctionSystem:
                 self._trouble = "an entry of the Jacobian is not finite", states, others
         return None if self._trouble is None else f"not finite at this point: {self._told()}"
 
-    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Why a recorded value is not finite at this point, where `record` failed."""
         self._trouble = None
         self._recorded(np.asarray(u, dtype=float), np.asarray(p, dtype=float))

@@ -130,9 +130,9 @@ class FunctionInKernels(FunctionSystem):
         self._raise()
         return super().jacobian(u, p)
 
-    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+    def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         self._raise()
-        return super().explain(u, p)
+        return super().why_not_finite(u, p)
 
 
 def _view(pointer: object, size: int) -> Array:

@@ -91,7 +91,7 @@ class FunctionInFrame(FunctionProblem):
                 "the mode of the rotation that the frame turns with is 0 here: start again from a state beyond it, or "
                 "choose another mode, rotation=(G, wave)"
             )
-        text: str | None = self._own.explain(u, p)
+        text: str | None = self._own.why_not_finite(u, p)
         return text
 
     def _residual(self, u: Vector, values: Mapping[str, Any]) -> Vector:

@@ -1,4 +1,4 @@
-"""Planar arrangements: areas, neighbours and Euler's formula."""
+"""InTwoParameters arrangements: areas, neighbours and Euler's formula."""
 
 import networkx as nx
 import numpy as np
