@@ -22,6 +22,7 @@ from contin.continuation.problem import (
     Frame,
     Jump,
     Problem,
+    Renewal,
     Sample,
     Stop,
     Verified,
@@ -80,20 +81,18 @@ class Arm:
 
     def pieces(self) -> Iterator[Piece]:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
-        settings, problem = self.course.settings, self.problem
+        settings, problem, frame = self.course.settings, self.problem, Frame(self.scale)
         origin, before, length, step = self.origin, None, 0.0, settings.first_step
         event: Behind | None = None  # in the step before the chunk
-        gauge: object = None  # of the chunk before
         while not self.is_over():
             limit = min(settings.steps - self.accepted, problem.maximum_chunk)
             if limit <= 0:
                 self.end = End("steps", f"all {settings.steps} steps used at {self.course.position(origin.z)}")
                 return
-            frame = Frame(self.scale, gauge=gauge)
+            frame = Frame(self.scale, gauge=frame.gauge)
             march = self.march or problem.march
             chunk = march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
-            gauge = chunk.gauge
-            frame = Frame(self.scale, gauge=gauge)
+            frame = Frame(self.scale, gauge=chunk.gauge)
             chunk, corner, (piece, self.end) = self._looked_at(chunk, before, event)
             past = None if self.is_over() else self._past_touching(piece)
             if past is not None:
@@ -133,15 +132,19 @@ class Arm:
                         yield from self._foretold(chunk, origin, before, frame)
                         return
                     step = RETRY_STEP
-                self.scale, self.loop, self.end = renewal.scale, renewal.loop, renewal.end
-                gauge = gauge if renewal.gauge is None else renewal.gauge
-                origin, before = renewal.origin, renewal.before
+                origin, before, frame = self._renewed(renewal, frame)
                 if renewal.last is not None:
                     yield Piece.single(renewal.last, self.scale)
                 if renewal.point is not None:
                     yield Piece.labelled(renewal.point, origin, self.scale)
             else:
                 origin, before = self._remeasured(chunk, origin, before)
+
+    def _renewed(self, renewal: Renewal, frame: Frame) -> tuple[Sample, Sample | None, Frame]:
+        """The last samples in the metric of a renewal, and with its gauge, if it has one."""
+        self.scale, self.loop, self.end = renewal.scale, renewal.loop, renewal.end
+        gauge = frame.gauge if renewal.gauge is None else renewal.gauge
+        return renewal.origin, renewal.before, Frame(self.scale, gauge=gauge)
 
     def _with_zeros(self, chunk: Chunk, piece: Piece) -> Piece:
         """The piece with a note where tests of points of codimension two have been zero to their rounding errors."""
