@@ -150,7 +150,7 @@ def phase(
     if any(not isinstance(e, Equilibrium) for e in found):
         raise InputError(
             "phase diagrams need a model of formulas of fewer than 150 states, or a function of at most "
-            f"{SMALL} states or with a dense Jacobian"
+            f"{SMALL} states or with a dense Jacobian, and no singular mass matrix"
         )
     known = varying(found[0].system.parameter_names)
     for name in pair:

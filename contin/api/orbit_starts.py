@@ -128,11 +128,18 @@ def _through_samples(
     _, p = model.start_point(None, dict(parameters or {}))
     model, start = samples_in_frame(model, start, p)
     periods = np.asarray(model.periods(), dtype=float)
-    if isinstance(model, FunctionProblem) and model.n > DENSE_IN_KERNELS and model.method == "sparse":
+    if isinstance(model, FunctionProblem) and _is_large(model):
         return large_orbit_from_samples(compiled(model), t, start, p, method, intervals)
     if shooting_chosen(for_orbits(model), method):
         return orbit_from_return(for_orbits(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
     return orbit_from_samples(for_orbits(model), t, start, p, periods, intervals, points)
+
+
+def _is_large(model: FunctionProblem) -> bool:
+    """Whether its orbits are those of large systems: many states, or a mass matrix that cannot be divided by."""
+    if model.method != "sparse":
+        return False
+    return model.n > DENSE_IN_KERNELS or model.has_singular_mass
 
 
 def _auto_orbit(model: Any, parameters: Record | None) -> PeriodicOrbit | ShotOrbit:

@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.linalg.eigen import CONVERGED, SOLVED, Spectrum, orthonormal, outside
+from contin.linalg.dense_pencil import every_of_pencil
+from contin.linalg.eigen import CONVERGED, INDEPENDENT, SOLVED, Inverse, Spectrum, orthonormal, outside
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
 
@@ -27,7 +28,7 @@ INVERSE_STEPS: Final = 3  # each gains as many digits as the kernel's eigenvalue
 SMALL: Final = 60  # unknowns of which all eigenvalues are computed
 
 
-def with_copies(linear: Linear, n: int, found: Spectrum, reach: float) -> Spectrum:
+def with_copies(linear: Inverse, n: int, found: Spectrum, reach: float) -> Spectrum:
     """The spectrum with all further eigenvalues of modulus up to `reach`. Costs at least `ENOUGH` solves."""
     basis = orthonormal(np.vstack([found.vectors.real.T, found.vectors.imag.T]))
     images: Array | None = None
@@ -65,14 +66,17 @@ def kernel(linear: Linear, near: Array) -> Array:
     return basis.T.copy()
 
 
-def every(matrix: Array) -> Spectrum:
-    """All eigenvalues of a small matrix, nearest to zero first."""
+def every(matrix: Array, mass: Array | None = None) -> Spectrum:
+    """All eigenvalues of a small matrix (finite ones of a pencil), nearest to zero first."""
+    if mass is not None:
+        rounding = EPSILON * float(np.abs(matrix).sum() / np.abs(mass).sum())
+        return _split(*every_of_pencil(matrix, mass), True, rounding)
     values, vectors = np.linalg.eig(matrix)
     order = np.argsort(np.abs(values))
     return _split(values[order], vectors[:, order], True, EPSILON * float(np.abs(matrix).sum(axis=1).max()))
 
 
-def rounding_of(linear: Linear, n: int) -> float:
+def rounding_of(linear: Inverse, n: int) -> float:
     """What rounding errors of the matrix make of a well-conditioned eigenvalue: eps |A|."""
     return EPSILON * float(np.max(linear.magnitude(np.ones(n))))
 
@@ -89,12 +93,15 @@ def _split(values: Vector, vectors: Vector, certain: bool, rounding: float) -> S
     return Spectrum(values, vectors, certain)
 
 
-def _nearest(linear: Linear, n: int, basis: Array, reach: float, seed: int) -> Array | None:
+def _nearest(linear: Inverse, n: int, basis: Array, reach: float, seed: int) -> Array | None:
     """Real and imaginary part (rows) of the vector to the eigenvalue nearest to zero outside a space, up to `reach`."""
     most = min(STEPS, n - len(basis))
     if most < 1:
         return None
-    v = outside(np.random.default_rng(100 + seed).normal(size=n), basis)
+    v = linear.weigh(np.random.default_rng(100 + seed).normal(size=n))
+    whole, v = norm(v), outside(v, basis)
+    if not norm(v) > INDEPENDENT * whole:
+        return None
     space, h = [v / norm(v)], np.zeros((most + 1, most))
     for k in range(most):
         w = outside(linear.solve(space[k], SOLVED), basis)

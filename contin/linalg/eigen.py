@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,19 @@ FORESEEN = 0.1  # part of that below which a correction is not made that the las
 INDEPENDENT = 1e-8  # part of a vector outside of others from which it is not one of their combinations
 TINY = float(np.finfo(float).tiny)
 MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
+
+
+class Inverse(Protocol):
+    """What Krylov spaces of an inverse are made of."""
+
+    def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
+        """A^-1 right, or what stands in its place (`contin.linalg.pencil`)."""
+
+    def weigh(self, x: Vector) -> Vector:
+        """A vector of the space that it works in: M x with a mass matrix, else x."""
+
+    def magnitude(self, x: Vector) -> Vector:
+        """As `Linear.magnitude`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +105,7 @@ class Region:
             self._diagonal = np.flatnonzero(columns == matrix.indices)
 
 
-def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 0.0) -> Spectrum:
+def leading(linear: Inverse, n: int, start: Array, radius: float, known: float = 0.0) -> Spectrum:
     """Eigenvalues of A with |l| <= radius, at least `FEWEST` and those up to 1.3 * known, from A^-1.
 
     start : (n,) vector to begin with; a sum of the eigenvectors at a point nearby saves solves.
@@ -103,7 +116,7 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
     basis[0] = start / norm(start)
     wanted = max(radius, MARGIN * known)
     size = min(most, 2 * FEWEST)
-    done = 0
+    done, complete = 0, False
     while True:
         for k in range(done, size):
             w = linear.solve(basis[k], SOLVED)
@@ -116,12 +129,13 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
                 hessenberg[: k + 1, k] += h
             hessenberg[k + 1, k] = norm(w)
             if hessenberg[k + 1, k] <= 1e-14 * float(np.abs(hessenberg[: k + 1, k]).max(initial=0.0)):
-                w = np.random.default_rng(k).normal(size=n)  # an invariant subspace: go on in a new direction
-                w -= (block @ w) @ block
+                w = linear.weigh(np.random.default_rng(k).normal(size=n))  # an invariant subspace: a new direction
+                whole = norm(w)
+                w = w - (block @ w) @ block
                 w -= (block @ w) @ block
                 hessenberg[k + 1, k] = 0.0
-                if k + 1 >= n:
-                    size = k + 1
+                if k + 1 >= n or not norm(w) > INDEPENDENT * whole:
+                    size, complete = k + 1, True
                     break
             basis[k + 1] = w / norm(w)
         done = size
@@ -129,12 +143,14 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
         order = np.argsort(-np.abs(theta))
         theta, ritz = theta[order], ritz[:, order]
         good = np.abs(hessenberg[size, size - 1] * ritz[-1]) <= CONVERGED * np.abs(theta)
-        if size == n:
+        complete = complete or size == n
+        if complete:
             good[:] = True
         count = int(np.argmin(good)) if not good.all() else len(good)
         values = 1.0 / np.where(theta == 0.0, 1e-300, theta)
-        reached = count > 0 and (np.abs(values[count - 1]) >= wanted or count == n)
-        enough = count >= min(FEWEST, n)
+        all_found = complete and count == size
+        reached = count > 0 and (np.abs(values[count - 1]) >= wanted or all_found)
+        enough = count >= min(FEWEST, n) or all_found
         if (enough and reached) or size == most:
             keep = _without_half_pairs(values, count)
             vectors = basis[:size].T @ ritz[:, :keep]

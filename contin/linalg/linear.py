@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Vector
 from contin.linalg.balanced import Balanced
@@ -37,9 +38,13 @@ class Solution(Protocol):
 
 
 class Linear(Protocol):
-    """A square operator A."""
+    """A square operator A, of M u' = A u."""
 
     matrix: Any  # sparse, or None
+    mass: Any  # M, sparse; None: the identity
+
+    def weigh(self, x: Vector) -> Vector:
+        """M x."""
 
     def precondition(self, right: Vector) -> Vector:
         """About A^-1 right."""
@@ -64,14 +69,21 @@ class Linear(Protocol):
         """
 
     def shifted(self, shift: complex) -> Linear:
-        """A - shift I."""
+        """A - shift M."""
+
+
+def moving(linear: Linear) -> NDArray[np.bool_] | slice:
+    """The states with mass, over which vectors of normal forms have length 1."""
+    return slice(None) if linear.mass is None else np.diff(linear.mass.indptr) > 0
 
 
 class DirectLinear:
     """A sparse matrix, factored when first needed; `balanced`: with rows and columns of like sizes."""
 
-    def __init__(self, matrix: csc_matrix, factoriser: Factoriser, balanced: bool = False) -> None:
-        self.matrix, self.factoriser, self.balanced = matrix, factoriser, balanced
+    def __init__(
+        self, matrix: csc_matrix, factoriser: Factoriser, balanced: bool = False, mass: csc_matrix = None
+    ) -> None:
+        self.matrix, self.factoriser, self.balanced, self.mass = matrix, factoriser, balanced, mass
 
     @cached_property
     def factor(self) -> Factor:
@@ -83,6 +95,9 @@ class DirectLinear:
 
     def apply(self, x: Vector) -> Vector:
         return np.asarray(self.matrix @ x)
+
+    def weigh(self, x: Vector) -> Vector:
+        return x if self.mass is None else np.asarray(self.mass @ x)
 
     def magnitude(self, x: Vector) -> Vector:
         return np.asarray(abs(self.matrix) @ x)
@@ -101,9 +116,10 @@ class DirectLinear:
         from scipy.sparse import identity
 
         value = shift if np.imag(shift) != 0.0 else float(np.real(shift))
-        moved = (self.matrix - value * identity(self.matrix.shape[0], format="csc")).tocsc()
+        mass = identity(self.matrix.shape[0], format="csc") if self.mass is None else self.mass
+        moved = (self.matrix - value * mass).tocsc()
         moved.sort_indices()
-        return DirectLinear(moved, Factoriser(self.factoriser.tally))
+        return DirectLinear(moved, Factoriser(self.factoriser.tally), mass=self.mass)
 
 
 class KrylovLinear:
@@ -127,8 +143,9 @@ class KrylovLinear:
         matrix: csc_matrix = None,
         shift: complex = 0.0,
         tally: Tally | None = None,
+        mass: csc_matrix = None,
     ) -> None:
-        self.tally = tally
+        self.tally, self.mass = tally, mass
         self._apply, self.approximate, self._shift = apply, precondition, shift
         self.precise, self.exact, self.fresh, self.matrix = precise, exact, fresh, matrix
         self.near = near or fresh
@@ -143,7 +160,10 @@ class KrylovLinear:
             value: Vector = self._apply(x.real) + 1j * self._apply(x.imag)
         else:
             value = self._apply(x)
-        return value - self._shift * x if self._shift else value
+        return value - self._shift * self.weigh(x) if self._shift else value
+
+    def weigh(self, x: Vector) -> Vector:
+        return x if self.mass is None else np.asarray(self.mass @ x)
 
     def magnitude(self, x: Vector) -> Vector:
         signs = np.where(np.arange(len(x)) % 2 == 0, 1.0, -1.0)  # neighbours in a discretised operator do not cancel
@@ -183,8 +203,8 @@ class KrylovLinear:
     def shifted(self, shift: complex) -> Linear:
         if self.matrix is not None:
             tally = Tally() if self.tally is None else self.tally
-            return DirectLinear(self.matrix, Factoriser(tally)).shifted(shift)
-        return KrylovLinear(self._apply, self.approximate, shift=self._shift + shift)
+            return DirectLinear(self.matrix, Factoriser(tally), mass=self.mass).shifted(shift)
+        return KrylovLinear(self._apply, self.approximate, shift=self._shift + shift, mass=self.mass)
 
 
 class KrylovBordered:

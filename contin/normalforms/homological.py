@@ -10,6 +10,8 @@ lambda.v = lambda_j (resonance) the matrix is singular, g_vj = <p_j, R_v - S_v>,
 Active parameters are further centre coordinates that do not move; v counts them last. Coefficients are Taylor's (no
 factorials): h_20 here is half of Kuznetsov's h_20.
 
+Of M u' = F, M singular or not, the left side is M H_w(w) G(w): A - lambda.v M, g_vj M q_j, M S_v, and <p_j, M h_v> = 0.
+
 Sources: Kuznetsov, SIAM J. Numer. Anal. 36 (1999) 1104; Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed.,
 sec. 8.7; Kuznetsov and Meijer, SIAM J. Sci. Comput. 26 (2005) 1932 (maps).
 """
@@ -87,11 +89,19 @@ class CentreManifold:
         if v not in self._h:
             multiplier = self._multiplier(v)
             shift = multiplier if self._dtype is complex else multiplier.real
-            matrix = self.jet.A - shift * np.eye(self.jet.n)
+            matrix = self.jet.A - shift * (np.eye(self.jet.n) if self.jet.mass is None else self.jet.mass)
             resonant = list(self._normal(v))
-            borders = (self.right[resonant].T, self.left[resonant].T) if resonant else (None, None)
+            borders = self._borders(resonant) if resonant else (None, None)
             self._h[v] = solve(matrix, -self._inhomogeneity(v), *borders)
         return self._h[v]
+
+    def _borders(self, resonant: list[int]) -> tuple[Vector, Vector]:
+        """M q_j and M^T p_j as columns."""
+        right, left, mass = self.right[resonant].T, self.left[resonant].T, self.jet.mass
+        return (right, left) if mass is None else (mass @ right, mass.T @ left)
+
+    def _weighed(self, h: Vector) -> Vector:
+        return h if self.jet.mass is None else self.jet.mass @ h
 
     def _normal(self, v: Index) -> dict[int, complex]:
         """g_v as {j: value} for every j that is resonant with v; the linear part diag(lambda) is not among them."""
@@ -121,7 +131,8 @@ class CentreManifold:
             for weight, _, form in self._products(v):
                 total += weight * form
             for coefficient, u in self._transport(v):
-                total = total - (coefficient if self._dtype is complex else coefficient.real) * self._coefficient(u)
+                factor = coefficient if self._dtype is complex else coefficient.real
+                total = total - factor * self._weighed(self._coefficient(u))
             self._rhs[v] = total
         return self._rhs[v]
 
@@ -133,7 +144,7 @@ class CentreManifold:
             if 1 < len(directions) < LONG:  # longer ones are evaluated along their directions: `rounding` sees theirs
                 sizes = sizes + ROUNDED * weight * size_of_terms(self.jet, *directions)
         for coefficient, u in self._transport(v):
-            sizes = sizes + np.abs(coefficient * self._coefficient(u))
+            sizes = sizes + np.abs(coefficient * self._weighed(self._coefficient(u)))
         return sizes
 
     def _products(self, v: Index) -> list[tuple[float, list[Vector], Vector]]:

@@ -46,14 +46,17 @@ class CyclePredictor:
         return float(2.0 * np.pi / (self.omega + rho * rho * self.omega2))
 
 
-def critical_pair(A: Real, omega: float | None = None, scale: Real | None = None) -> EigenPair:
+def critical_pair(
+    A: Real, omega: float | None = None, scale: Real | None = None, mass: Real | None = None
+) -> EigenPair:
     """Eigenvectors to i omega; without omega, to the complex pair whose angle to the imaginary axis is smallest."""
     if omega is None:
-        upper = [value for value in eigenvalues(A) if value.imag > 0.0]
+        upper = [value for value in eigenvalues(A, mass) if value.imag > 0.0]
         if not upper:
             raise NotThisTypeError("no complex eigenvalues: this is not a Hopf point (a neutral saddle has none)")
-        omega = eigen_pair(A, min(upper, key=lambda value: abs(value.real) / abs(value))).value.imag
-    return null_pair(A - 1j * omega * np.eye(len(A)), 1j * omega, scale)
+        nearest = min(upper, key=lambda value: abs(value.real) / abs(value))
+        omega = eigen_pair(A, nearest, mass=mass).value.imag
+    return null_pair(A - 1j * omega * (np.eye(len(A)) if mass is None else mass), 1j * omega, scale, mass)
 
 
 def conjugate(pair: EigenPair) -> EigenPair:
@@ -62,7 +65,7 @@ def conjugate(pair: EigenPair) -> EigenPair:
 
 def hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     """The centre manifold of w' = i omega w + ..., coordinates (w, conj w, parameters)."""
-    pair = critical_pair(jet.A, omega, jet.scale)
+    pair = critical_pair(jet.A, omega, jet.scale, jet.mass)
     return CentreManifold(jet, [pair, conjugate(pair)])
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from contin.normalforms.homological import CentreManifold
-from contin.normalforms.hopf import CyclePredictor, conjugate
+from contin.normalforms.hopf import CyclePredictor, conjugate, critical_pair
 from contin.normalforms.jet import Jet
-from contin.normalforms.linear import eigen_pair, eigenvalues, null_pair
+from contin.normalforms.linear import eigen_pair, eigenvalues
 from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts
 
 RESONANT = 1e-4  # relative distance at which omega1 : omega2 counts as a ratio of small integers
@@ -16,13 +16,15 @@ RESONANT = 1e-4  # relative distance at which omega1 : omega2 counts as a ratio 
 def hopf_hopf_manifold(jet: Jet, omegas: tuple[float, float] | None = None) -> CentreManifold:
     """Coordinates (w1, conj w1, w2, conj w2, parameters), omega1 > omega2."""
     if omegas is None:
-        upper = sorted((v for v in eigenvalues(jet.A) if v.imag > 0.0), key=lambda v: abs(v.real) / abs(v))
+        every = eigenvalues(jet.A, jet.mass)
+        upper = sorted((v for v in every if v.imag > 0.0), key=lambda v: abs(v.real) / abs(v))
         if len(upper) < 2:
             raise NotThisTypeError("fewer than two pairs of complex eigenvalues: this is not a Hopf-Hopf point")
-        omegas = (eigen_pair(jet.A, upper[0]).value.imag, eigen_pair(jet.A, upper[1]).value.imag)
+        first, second = (eigen_pair(jet.A, value, mass=jet.mass).value.imag for value in upper[:2])
+        omegas = first, second
     pairs = []
     for omega in sorted(omegas, reverse=True):
-        pair = null_pair(jet.A - 1j * omega * np.eye(jet.n), 1j * omega, jet.scale)
+        pair = critical_pair(jet.A, omega, jet.scale, jet.mass)
         pairs += [pair, conjugate(pair)]
     return CentreManifold(jet, pairs)
 

@@ -43,6 +43,10 @@ class Jet(Protocol):
     def A(self) -> Real: ...
 
     @property
+    def mass(self) -> Real | None:
+        """M (n, n) of M u' = F(u, p), singular or not; None: the identity."""
+
+    @property
     def scale(self) -> Real | None:
         """Typical sizes of the states, (n,), all positive, where they are known: null vectors are computed in them."""
 
@@ -70,6 +74,7 @@ class DerivativeJet:
     kind: Kind = "flow"
     scale: Real | None = None
     several: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]] | None = None  # the same for several tuples
+    mass: Real | None = None
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
     _tensors: dict[int, Real | None] = field(default_factory=dict, repr=False)
     _asked: dict[int, int] = field(default_factory=dict, repr=False)

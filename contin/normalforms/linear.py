@@ -13,6 +13,7 @@ from operator import mul
 import numpy as np
 
 from contin.abi import Vector
+from contin.linalg.dense_pencil import every_of_pencil
 from contin.linalg.vectors import norm
 from contin.normalforms.jet import Complex, Real
 
@@ -25,7 +26,10 @@ NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be r
 
 @dataclass(frozen=True, eq=False)
 class EigenPair:
-    """A q = value q, A^H p = conj(value) p, |q| = 1, <p, q> = conj(p) . q = 1, largest component of q positive."""
+    """A q = value q, A^H p = conj(value) p, |q| = 1, <p, q> = conj(p) . q = 1, largest component of q positive.
+
+    With a mass matrix A q = value M q, A^H p = conj(value) M^H p, <p, M q> = 1.
+    """
 
     value: complex
     right: Vector
@@ -131,7 +135,9 @@ def singular_vectors(matrix: Vector, dimension: int = 1, scale: Real | None = No
     return (c * d)[:, None] * vh[order].conj().T, (r / d)[:, None] * u[:, order], s
 
 
-def null_pair(matrix: Vector, value: complex = 0.0, scale: Real | None = None) -> EigenPair:
+def null_pair(
+    matrix: Vector, value: complex = 0.0, scale: Real | None = None, mass: Real | None = None
+) -> EigenPair:
     """Null vectors of a matrix with a simple zero eigenvalue (or eigenvectors of A, given A - value I).
 
     Raises `ZeroDivisionError` where <p, q> vanishes: a double eigenvalue with one eigenvector (for example BT).
@@ -139,27 +145,30 @@ def null_pair(matrix: Vector, value: complex = 0.0, scale: Real | None = None) -
     right, left, s = singular_vectors(matrix, 1, scale)
     q = normalise(right[:, 0])
     p = left[:, 0] / np.abs(left[:, 0]).max()
-    product = np.vdot(p, q)
+    moved = q if mass is None else mass @ q
+    product = np.vdot(p, moved)
     d = balance(matrix) if scale is None else scale
-    length = norm(p * d) * norm(q / d)
+    length = norm(p * d) * norm(moved / d)
     located = float(s[-1] / s[-2]) if len(s) > 1 and s[-2] > 0.0 else 0.0  # how far the vectors are off
     if not abs(product) > max(ORTHOGONAL, located) * length:
         raise ZeroDivisionError("left and right null vectors are orthogonal: the zero eigenvalue is not simple")
     return EigenPair(value, q, p / np.conj(product), float(s[-1]), float(s[-2]) if len(s) > 1 else np.inf)
 
 
-def eigen_pair(A: Real, value: complex, refine: int = 2) -> EigenPair:
+def eigen_pair(A: Real, value: complex, refine: int = 2, mass: Real | None = None) -> EigenPair:
     """Eigenvectors of A to the eigenvalue nearest `value`, which is refined by its two-sided Rayleigh quotient."""
-    eye = np.eye(len(A))
-    pair = null_pair(A - value * eye, value)
+    weights = np.eye(len(A)) if mass is None else mass
+    pair = null_pair(A - value * weights, value, mass=mass)
     for _ in range(refine):
         value = complex(np.vdot(pair.left, A @ pair.right))
-        pair = null_pair(A - value * eye, value)
+        pair = null_pair(A - value * weights, value, mass=mass)
     return pair
 
 
-def eigenvalues(A: Real) -> Complex:
-    """All eigenvalues (LAPACK balances the matrix first)."""
+def eigenvalues(A: Real, mass: Real | None = None) -> Complex:
+    """All eigenvalues (LAPACK balances the matrix first); the finite ones of a pencil."""
+    if mass is not None:
+        return np.asarray(every_of_pencil(A, mass)[0])
     values: Complex = np.linalg.eigvals(A).astype(complex)
     return values
 

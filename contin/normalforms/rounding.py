@@ -74,6 +74,10 @@ class RoundedJet:
         return self.jet.kind
 
     @property
+    def mass(self) -> Real | None:
+        return self.jet.mass
+
+    @property
     def scale(self) -> Real | None:
         return self.jet.scale
 

@@ -14,8 +14,8 @@ from contin.normalforms.static import StateError, quadratic_error
 
 def zero_hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     """Coordinates (w0 real, w1, conj w1, parameters)."""
-    pair = critical_pair(jet.A, omega, jet.scale)
-    return CentreManifold(jet, [null_pair(jet.A, 0.0, jet.scale), pair, conjugate(pair)])
+    pair = critical_pair(jet.A, omega, jet.scale, jet.mass)
+    return CentreManifold(jet, [null_pair(jet.A, 0.0, jet.scale, jet.mass), pair, conjugate(pair)])
 
 
 def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError = None) -> NormalForm:

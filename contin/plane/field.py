@@ -208,13 +208,13 @@ def _of_formulas(model: Model, x: str, y: str, values: Mapping[str, float]) -> M
 
 
 def _of_function(model: FunctionProblem, x: str, y: str, values: Mapping[str, float]) -> FunctionProblem:
-    names = list(model.state_names)
+    names, residual = list(model.state_names), model.divided().residual
     order = [names.index(name) for name in (x, y)]
     whole = np.array([values[name] for name in names])
 
     def field(u: Array, p: Record) -> Array:
         full = whole.astype(np.result_type(whole, np.asarray(u)))
         full[order] = u
-        return np.asarray(model.residual(full, p))[order]
+        return np.asarray(residual(full, p))[order]
 
     return FunctionProblem(field, whole[order], model.values, kind=model.kind, states=(x, y), name=model.name)

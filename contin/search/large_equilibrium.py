@@ -9,7 +9,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError, NotFiniteError
-from contin.problems.sparse.as_dense import SMALL
+from contin.problems.sparse.as_dense import SMALL, divided
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.search.equilibrium_from_guess import Equilibrium
@@ -43,9 +43,9 @@ def as_small(solution: object) -> object:
     """An equilibrium of a small function with a sparse Jacobian as one of a dense problem; anything else as it is."""
     if not isinstance(solution, LargeEquilibrium) or solution.system.model.written is not None:
         return solution
-    if solution.system.n > SMALL:
+    if solution.system.n > SMALL or solution.system.model.has_singular_mass:
         return solution
-    return Equilibrium(solution.system, solution.u, solution.p, solution.system.model.periods())
+    return Equilibrium(divided(solution.system), solution.u, solution.p, solution.system.model.periods())
 
 
 def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibrium:

@@ -65,6 +65,8 @@ def large_orbit_from_samples(
     z = problem.vector(Trajectory(states.reshape(count, STAGES, -1), period), float(p[0]))
     found = _solved(problem, z, u)
     if shooting:
+        if problem.source.mass is not None:
+            raise InputError("orbits of a function with a mass matrix are computed by collocation: leave `method` out")
         problem, moved, _ = problem.relaid(FromStarts(intervals or 1))
         found = _solved(problem, moved(found), u)
     return LargeOrbit(problem, found)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
+from contin.simulate.with_mass import integrate_with_mass
+from contin.systems.functions.function_system import FunctionSystem
 from contin.systems.protocol import HasSlopes
 
 if TYPE_CHECKING:
@@ -21,7 +23,8 @@ class _TooManyCallsError(Exception):
 
 
 def integrate_stiff(
-    system: CompiledSystem, u: Array, p: Array, times: Array, method: str, rtol: float, atol: Array, box: float
+    system: CompiledSystem | FunctionSystem, u: Array, p: Array, times: Array, method: str, rtol: float, atol: Array,
+    box: float,
 ) -> tuple[Array, Array, int, str, str]:
     """(t, states, steps, outcome, why) with the states at `times` as far as the solution goes; from t = 0.
 
@@ -30,6 +33,10 @@ def integrate_stiff(
     """
     from scipy.integrate import solve_ivp
 
+    if isinstance(system, FunctionSystem) and system.model.mass_matrix is not None:
+        if method == "Radau":
+            return integrate_with_mass(system, u, p, times, rtol, atol, box)
+        system = FunctionSystem(system.model.divided())
     n, full = system.n, np.append(p, 0.0) if system.is_forced else np.array(p, dtype=float)
     calls = 0
 

@@ -35,6 +35,28 @@ def function(jacobian=None, **more):
     return contin.FunctionProblem(brusselator, [1.0, 1.0], VALUES, jacobian, **NAMES, **more)
 
 
+MASS = np.array([[1.0, 0.2], [0.1, 2.0]])
+
+
+def with_mass():
+    """M u' = M F, with a sparse Jacobian, so that M is kept."""
+    return contin.FunctionProblem(
+        lambda u, p: MASS @ brusselator(u, p), [1.0, 1.0], VALUES, lambda u, p: sp.csc_matrix(MASS @ slopes(u, p)),
+        mass=MASS, **NAMES,
+    )  # fmt: skip
+
+
+def algebraic():
+    """The same flow with w = x^2 y as a third state, of index 1."""
+    names = {"states": ["x", "y", "w"], "ranges": NAMES["ranges"]}
+
+    def residual(u, p):
+        x, y, w = u
+        return np.array([p["A"] - (p["B"] + 1) * x + w, p["B"] * x - w, w - x**2 * y])
+
+    return contin.FunctionProblem(residual, [1.0, 1.0, 1.0], VALUES, mass=[1.0, 1.0, 0.0], **names)
+
+
 KINDS = {
     "formulas": lambda: contin.load("classics/brusselator"),
     "value only": function,
@@ -44,6 +66,8 @@ KINDS = {
     "matrix-free": lambda: function(
         lambda u, p: LinearOperator((2, 2), matvec=lambda v: slopes(u, p) @ v, dtype=float)
     ),
+    "mass": with_mass,
+    "singular mass": algebraic,
     "map": lambda: contin.FunctionProblem(
         henon, [0.7, 0.2], {"A": 0.2, "B": 0.3}, kind="map", states=["x", "y"], ranges={"A": (0, 0.6), "B": (0.2, 0.4)}
     ),
@@ -79,7 +103,7 @@ def cycle(model):
 
 VERBS = {
     "equilibrium": contin.equilibrium,
-    "find_equilibria": lambda m: contin.find_equilibria(m, box={"x": (0.1, 3), "y": (0.1, 3)}, starts=4),
+    "find_equilibria": lambda m: contin.find_equilibria(m, box=dict.fromkeys(m.state_names, (0.1, 3)), starts=4),
     "find_start": contin.find_start,
     "continuation": line,
     "switch": born,
@@ -87,7 +111,7 @@ VERBS = {
     "cycle": cycle,
     "simulate": lambda m: contin.simulate(m, time=10.0, samples=20),
     "simulate, until": lambda m: contin.simulate(m, time=10.0, until="x > 10"),
-    "simulate, stiff": lambda m: contin.simulate(m, time=10.0, method="BDF", samples=20),
+    "simulate, stiff": lambda m: contin.simulate(m, time=10.0, method="Radau", samples=20),
     "sweep": lambda m: contin.sweep(m, "A", (0.6, 0.8), steps=1),
     "lyapunov": lambda m: contin.lyapunov(m, time=4.0, count=1),
     "scan": lambda m: contin.scan(m, {"A": [0.3, 0.6]}),

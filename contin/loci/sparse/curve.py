@@ -17,6 +17,7 @@ from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
 from contin.linalg.eigen import Spectrum, leading
 from contin.linalg.linear import Linear, Solution
+from contin.linalg.pencil import OnRange, inverse_of
 from contin.linalg.vectors import norm
 from contin.loci.sparse.singular import Folds, Hopf, Singularity
 from contin.machine import elementary
@@ -152,8 +153,10 @@ class LargeCurve:
         at, linear = self.singular(z), self.precisely(z)
         if not isinstance(at, Folds) or linear is None:
             return Spectrum(np.empty(0, complex), np.empty((self.n, 0), complex), False)
-        shift = SHIFT * self._gap(at)
-        found = leading(linear.shifted(shift), self.n, np.real(at.at.v) + self._other, self.memory.reach)
+        shift = SHIFT * self._gap(at, linear)
+        inverse = inverse_of(linear.shifted(shift))
+        found = leading(inverse, self.n, linear.weigh(np.real(at.at.v) + self._other), self.memory.reach)
+        found = inverse.back(found) if isinstance(inverse, OnRange) else found
         values = found.values + shift
         if found.values.size:
             self.memory.reach = float(np.sort(np.abs(found.values))[min(2, len(values) - 1)])
@@ -164,11 +167,11 @@ class LargeCurve:
         x = np.random.default_rng(7).normal(size=self.n)
         return np.asarray(x / norm(x))
 
-    def _gap(self, at: Folds) -> float:
+    def _gap(self, at: Folds, linear: Linear) -> float:
         """About the modulus of the eigenvalue next to zero, by inverse iteration without the null vector."""
         x, growth = self._other, 1.0
         for _ in range(INVERSE_STEPS):
-            x = np.real(at.at.residue(x)[0])
+            x = np.real(at.at.residue(linear.weigh(x))[0])
             growth = norm(x)
             if not 0.0 < growth < np.inf:
                 return 1.0
@@ -231,9 +234,10 @@ class LargeCurve:
         real = real / norm(real)
         imaginary = imaginary - (imaginary @ real) * real
         b = real + (imaginary / norm(imaginary) if norm(imaginary) > 0.0 else 0.0)
+        b = self._weighed(z, b)
         problem, point = self.branch(z)
         spectrum = problem.spectrum(point)  # A is regular there but for zero-Hopf points
-        regular = b.copy()
+        regular = real + (imaginary / norm(imaginary) if norm(imaginary) > 0.0 else 0.0)
         if spectrum.values.size:
             nearest = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
             if norm(nearest) > 0.0:
@@ -248,8 +252,8 @@ class LargeCurve:
         units = [column / size for column, size in zip(columns, sizes, strict=True) if size > 0.0]
         if len(units) == 2 and norm(both := units[0] + units[1]) > OPPOSITE:
             units.append(both / norm(both))
-        candidates = [*units, c]
         linear = self.precisely(z)
+        candidates = [*units, self._weighed(z, c)]
         best, smallest = c, np.inf
         for b in candidates:
             if linear is None:
@@ -259,6 +263,14 @@ class LargeCurve:
             if length < 0.5 * smallest:  # not so for nan
                 best, smallest = b, length
         return Borders(best, c, c)
+
+    def _weighed(self, z: Array, v: Array) -> Array:
+        """M v / |M v| with the mass matrix, for a border column: <p, M q> does not vanish where <p, q> may."""
+        linear = self.linear(z)
+        if linear is None or linear.mass is None:
+            return v
+        moved = linear.weigh(v)
+        return moved / (norm(moved) or 1.0)
 
     # equations --------------------------------------------------------------------------------------------------------
 
@@ -292,7 +304,8 @@ class LargeCurve:
         solver: Solution | None = None
         if isinstance(at, Hopf):
             corner = np.zeros((1, 1))
-            solver = linear.bordered(borders.regular[:, None], borders.regular[:, None], corner)
+            column = self._weighed(z, borders.regular)
+            solver = linear.bordered(column[:, None], borders.regular[:, None], corner)
         return CurveLinearisation.of(self, z, np.append(f, at.values), at, solver, tangent, scale)
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import NotFiniteError
+from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
 from contin.loci.sparse import forms
 from contin.loci.sparse.curve import LargeCurve
@@ -70,7 +71,8 @@ def tests_at(problem: OnLargeCurve, z: Array) -> tuple[Array, int, NDArray[np.co
         at = problem.curve.singular(z)
         if not isinstance(at, Folds):
             return np.full(4, np.nan), unstable, values
-        return np.array([_quadratic(at, problem.n), _chain(at), pair, 1.0]), unstable, values
+        chain = _chain(at, problem.curve.linear_at(z))
+        return np.array([_quadratic(at, problem.n), chain, pair, 1.0]), unstable, values
     real = rest[np.abs(rest.imag) <= REAL * np.abs(rest)].real
     product = 1.0
     if real.size:
@@ -89,9 +91,15 @@ def _quadratic(at: Folds, n: int) -> float:
     return -float(at.slopes(np.append(v, np.zeros(2)))[0])
 
 
-def _chain(at: Folds) -> float:
-    """<w, v>, zero at a Bogdanov-Takens point."""
-    return float(np.real(at.at.functional(np.real(at.at.v))))
+def _chain(at: Folds, linear: Linear) -> float:
+    """<w, M v>, zero at a Bogdanov-Takens point."""
+    return float(np.real(at.at.functional(linear.weigh(np.real(at.at.v)))))
+
+
+def _relative_chain(at: Folds, linear: Linear) -> float:
+    """`_chain` for a null vector of length 1 on both sides of M."""
+    v = np.real(at.at.v)
+    return _chain(at, linear) / (norm(v) * norm(linear.weigh(v)))
 
 
 def _lyapunov(problem: OnLargeCurve, z: Array) -> float:
@@ -133,7 +141,7 @@ def _measure(problem: OnLargeCurve, type_: str, near: Sample) -> Callable[[At], 
     if type_ == "CP":
         return _sized(lambda at: _quadratic(curve.folds_at(at.z), problem.n), problem, near, type_)
     if type_ == "BT":
-        return lambda at: _chain(curve.folds_at(at.z)) / elementary.square(norm(np.real(curve.folds_at(at.z).at.v)))
+        return lambda at: _relative_chain(curve.folds_at(at.z), curve.linear_at(at.z))
     if type_ == "GH":
         return _sized(lambda at: _lyapunov(problem, at.z), problem, near, type_)
     values, others, vectors = split(problem, near.z)

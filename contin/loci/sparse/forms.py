@@ -14,14 +14,15 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
+from contin.linalg.linear import Linear, moving
 from contin.linalg.vectors import norm
 from contin.loci.codim2.zero_hopf_crossing import EXACT
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.jet import DerivativeJet
-from contin.normalforms.linear import normalise
 from contin.normalforms.point import normal_form as dense_form
-from contin.normalforms.result import NO_FORM
-from contin.problems.sparse.forms import Derivatives, state, with_errors
+from contin.normalforms.result import NO_FORM, NotThisTypeError
+from contin.problems.algebraic_states import UNIT
+from contin.problems.sparse.forms import Derivatives, state, unit, with_errors
 from contin.records import Fields
 
 if TYPE_CHECKING:
@@ -53,16 +54,17 @@ def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widt
 
 
 def cusp(problem: OnLargeCurve, z: Array) -> Fields:
-    """c = <p, C(q,q,q) + 3 B(q,h)>/6 with A h = -B(q,q), <p, h> = 0, <p, q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
+    """c = <p, C(q,q,q) + 3 B(q,h)>/6, A h = -B(q,q), <p, M h> = 0, <p, M q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
     branch, point = problem.curve.branch(z)
     line = problem.curve.folds_at(z).at
-    q = normalise(np.real(line.v))
-    size = float(np.real(line.functional(q)))
+    linear = problem.curve.linear_at(z)
+    q, weigh = unit(linear, np.real(line.v)), linear.weigh
+    size = float(np.real(line.functional(weigh(q))))
     direction = state(q)
 
     def coefficients(form: Derivatives) -> dict[str, float]:
         h = -np.real(line.residue(form(direction, direction))[0])
-        h = h - float(np.real(line.functional(h))) / size * q
+        h = h - float(np.real(line.functional(weigh(h)))) / size * q
         cubic = form(direction, direction, direction) + 3.0 * form(direction, state(h))
         return {"c": float(np.real(line.functional(cubic))) / size / 6.0}
 
@@ -71,23 +73,25 @@ def cusp(problem: OnLargeCurve, z: Array) -> Fields:
 
 
 def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
-    """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0.
+    """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0
+    over the states with mass.
 
     `s` = sign(a b), where both differ from zero by more than their errors, else `kind` says that it is degenerate.
     """
     branch, point = problem.curve.branch(z)
     line = problem.curve.folds_at(z).at
-    q0 = normalise(np.real(line.v))
-    q1 = np.real(line.residue(q0)[0])
-    q1 = q1 - (q0 @ q1) * q0
-    size = float(np.real(line.functional(q1)))
+    linear = problem.curve.linear_at(z)
+    q0, weigh, counted = unit(linear, np.real(line.v)), linear.weigh, moving(linear)
+    q1 = np.real(line.residue(weigh(q0))[0])
+    q1 = q1 - (q0[counted] @ q1[counted]) * q0
+    size = float(np.real(line.functional(weigh(q1))))
 
     def p1(r: Array) -> float:
         return float(np.real(line.functional(r))) / size
 
     def p0(r: Array) -> float:
-        """<p0, r> = <p1, x> with A x = r - <p1, r> q1, since A^T p0 = p1 and p0.q1 = 0."""
-        return p1(np.real(line.residue(r - p1(r) * q1)[0]))
+        """<p0, r> = <p1, M x> with A x = r - <p1, r> M q1, since A^T p0 = M^T p1 and p0.M q1 = 0."""
+        return p1(weigh(np.real(line.residue(r - p1(r) * weigh(q1))[0])))
 
     def coefficients(form: Derivatives) -> dict[str, float]:
         b00, b01 = form(state(q0), state(q0)), form(state(q0), state(q1))
@@ -101,16 +105,30 @@ def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
 
 def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields, widths: Array) -> Fields:
     branch, point = problem.curve.branch(z)
-    linear = branch.linear(point)
+    linear = problem.curve.linear_at(z)
     matrix = _entries(linear, problem.n)
     omegas = known["omegas"]
     frequency = max(omegas) if omegas and type_ != "HH" else None
     if type_ == "ZH" and problem.locus == "HB" and _is_forced(problem, z, matrix, widths):
+        if linear.mass is not None:
+            raise NotThisTypeError("of equations with a mass matrix, on an invariant plane")
         form = zero_hopf_on_plane(_in_both_parameters(problem, z, matrix), frequency)
     else:
         jet = DerivativeJet(matrix, lambda directions: branch.form(point, *map(state, directions)), 0, "flow")
+        jet = jet if linear.mass is None else _weighed(jet, linear)
         form = dense_form(type_, jet, frequency=frequency)
     return dict(form.coefficients) | ({"errors": dict(form.errors)} if form.errors else {})
+
+
+def _weighed(jet: DerivativeJet, linear: Linear) -> DerivativeJet:
+    """The jet of M u' = F, in units in which states without mass count nothing in the length of a vector."""
+    units = np.full(jet.n, UNIT)
+    units[moving(linear)] = 1.0
+
+    def derivative(directions: tuple[Array, ...]) -> Array:
+        return np.real(jet.form(*(d * units for d in directions)))
+
+    return DerivativeJet(jet.A * units, derivative, 0, "flow", mass=linear.mass.toarray() * units)
 
 
 def _is_forced(problem: OnLargeCurve, z: Array, matrix: Array, widths: Array) -> bool:

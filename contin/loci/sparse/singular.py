@@ -1,8 +1,9 @@
 """Scalars that vanish where F_u has a critical eigenvalue, with derivatives along given directions.
 
-[A - l  b; c^T 0] [v; g] = [0; 1] makes g(l) = 0 where l is an eigenvalue of A = F_u (Griewank and Reddien 1984). Its
-change is dg = -<w, dA v> + <w, v> dl, and the functional <w, r> is the last component of the solution with the right
-side [r; 0]: no solve with a transpose is needed, so that matrix-free operators serve as well as factored ones.
+[A - l M  b; c^T 0] [v; g] = [0; 1] makes g(l) = 0 where l is an eigenvalue of A = F_u beside the mass matrix M, or the
+identity (Griewank and Reddien 1984). Its change is dg = -<w, dA v> + <w, M v> dl, and the functional <w, r> is the last
+component of the solution with the right side [r; 0]: no solve with a transpose is needed, so that matrix-free operators
+serve as well as factored ones.
 
 Folds have l = 0. Hopf points have l^2 = -kappa: the two scalars (g(l) + g(-l))/2 and (g(l) - g(-l))/(2 l) are real and
 smooth functions of kappa, also where kappa < 0 (neutral saddles), so that curves run through Bogdanov-Takens points.
@@ -47,7 +48,7 @@ class Singularity:
         return self._solver.solve(right.astype(complex) if np.iscomplexobj(self.v) else right)[-1]
 
     def residue(self, r: Vector) -> tuple[Vector, Any]:
-        """(x, y) with (A - l) x + b y = r and c^T x = 0."""
+        """(x, y) with (A - l M) x + b y = r and c^T x = 0."""
         found = self._solver.solve(np.append(r, 0.0))
         return found[:-1], found[-1]
 
@@ -76,7 +77,7 @@ class Hopf:
     scalars = 2
 
     def __init__(self, linear: Linear, kappa: float, size: float, b: Array, c: Array, second: Second) -> None:
-        self.kappa, self._second = kappa, second
+        self.kappa, self._second, self._linear = kappa, second, linear
         self._beside = (linear, NEAR_ZERO * size, size, b, c, second) if abs(kappa) < 0.5 * NEAR_ZERO * size else None
         root = np.sqrt(abs(kappa)) if kappa != 0.0 else 1e-150
         self.root = float(root)
@@ -99,10 +100,10 @@ class Hopf:
         return self._split([-s.functional(self._second(s.v, direction)) for s in self.at])
 
     def kappa_slopes(self) -> Array:
-        """d/dkappa from dg/dl = <w, v>, dl/dkappa = -1/(2 l); near 0, where the quotients cancel, from beside it."""
+        """d/dkappa from dg/dl = <w, M v>, dl/dkappa = -1/(2 l); near 0, where the quotients cancel, from beside it."""
         if self._beside is not None:
             return Hopf(*self._beside).kappa_slopes()
-        rates = [complex(s.functional(s.v)) for s in self.at]
+        rates = [complex(s.functional(self._linear.weigh(s.v))) for s in self.at]
         odd = self.values[1]
         if self.kappa >= 0.0:
             rate = rates[0]

@@ -122,7 +122,7 @@ def null_vector(problem: LargeOrbitEquations, z: Array, q: Array, own: Array, sc
     """
     sweeps, orbit, p = problem.sweeps(z), problem.profile(z), problem.full_parameters(z)
     assert sweeps is not None
-    velocity = problem.system.value(orbit.beginnings[0], p)
+    velocity = problem.velocity(z)
     moved = sweeps.monodromy(q)
     c = dot(velocity, moved - q) / dot(velocity, velocity)
     d = sweeps.along(q, -c * problem.by_scalars(z, ())[0])

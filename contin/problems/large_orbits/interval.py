@@ -1,5 +1,6 @@
-"""The matrix of one interval, I - T h (A x J), the three points of a state beside each other: a narrow band stays one.
+"""The matrix of one interval, 1 x M - T h (A x J), with M the mass matrix or the identity.
 
+The three points of a state stand beside each other, so that a narrow band stays one.
 Column 3 c + k holds the entries (r, c) of J at point k in rows 3 r + i, times -T h A[i, k].
 """
 
@@ -47,12 +48,16 @@ class Pattern:
         """True for a matrix of this pattern."""
         return np.array_equal(J.indptr, self.indptr) and np.array_equal(J.indices, self.indices)
 
-    def matrix(self, three: Sequence[csc_matrix], step: float) -> csc_matrix:
-        """The interval's matrix from J at its points."""
+    def matrix(self, three: Sequence[csc_matrix], step: float, mass: csc_matrix | None = None) -> csc_matrix:
+        """The interval's matrix from J at its points, and M of the same pattern."""
         data: Array = np.empty(len(self.rows))
         for k, J in enumerate(three):
             data[self.places[:, k]] = (-step * J.data)[:, None] * A[:, k]
-        data[self.diagonal] += 1.0
+        if mass is None:
+            data[self.diagonal] += 1.0
+        else:
+            stages = np.arange(STAGES)
+            data[self.places[:, stages, stages]] += mass.data[:, None]
         size = len(self.starts) - 1
         return csc_matrix((data, self.rows, self.starts), shape=(size, size))
 
@@ -88,7 +93,7 @@ def one_pattern(matrices: Sequence[csc_matrix]) -> list[csc_matrix]:
         found = csc_matrix(place.multiply(abs(J).astype(bool)))
         found.sort_indices()
         data = np.zeros(union.nnz)
-        full = J.tocsc()
+        full = J.copy()  # its pattern may be shared
         full.eliminate_zeros()
         full.sort_indices()
         data[found.data.astype(np.intp) - 1] = full.data

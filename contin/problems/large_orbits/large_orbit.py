@@ -66,6 +66,10 @@ class LargeOrbitProblem(LargeOrbitEquations):
         """The layout that the settings want; the own one where they do not say."""
         own, wanted = self.layout, settings.intervals
         shooting = isinstance(own, FromStarts) if settings.method is None else settings.method == "shooting"
+        if shooting and self.source.mass is not None:
+            raise InputError(
+                "orbits of a function with a mass matrix are computed by collocation: leave settings.method out"
+            )
         if isinstance(own, FromStarts) and shooting:
             return own if wanted in (None, own.segments) else FromStarts(wanted or 1)
         if shooting:
@@ -191,7 +195,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
         sweeps = self.sweeps(z[-1])
         if sweeps is None:
             return ()
-        velocity = self.system.value(self.beginning(z[-1]), self.full_parameters(z[-1]))
+        velocity = self.velocity(z[-1])
         error = norm(sweeps.monodromy(velocity) - velocity) / max(norm(velocity), 1e-300)
         if not error > COARSE_MESH or norm(velocity) == 0.0:
             return ()

@@ -149,6 +149,13 @@ class LargeOrbitEquations(InOneParameterProblem):
         """Its first state."""
         return np.asarray(self.profile(z).beginnings[0])
 
+    def velocity(self, z: Array) -> Array:
+        """u' where it begins (n,); with a mass matrix that of the interpolating polynomial, which is M u' = F there."""
+        if self.source.mass is not None:
+            orbit = self.profile(z)
+            return np.asarray(orbit.slopes[-1, -1] / orbit.period)
+        return self.system.value(self.beginning(z), self.full_parameters(z))
+
     @cached_property
     def points(self) -> Points:
         """The equations at many states."""
@@ -197,7 +204,8 @@ class LargeOrbitEquations(InOneParameterProblem):
         found = self.points.jacobians(orbit.U.reshape(-1, self.n), p)
         if found is None:
             return None
-        memory.last, memory.sweeps = z.copy(), Sweeps.of(found, orbit.period * orbit.h, memory.factoriser)
+        lengths = orbit.period * orbit.h
+        memory.last, memory.sweeps = z.copy(), Sweeps.of(found, lengths, memory.factoriser, self.source.mass)
         self.layout.remember(memory.sweeps)
         return memory.sweeps
 
@@ -296,4 +304,4 @@ class LargeOrbitEquations(InOneParameterProblem):
         sweeps = memory.sweeps if near and not exactly else self.sweeps(z)
         if sweeps is None:
             return np.empty(0, complex), np.empty((self.n, 0), complex)
-        return leading(sweeps, self.system.value(self.beginning(z), self.full_parameters(z)))
+        return leading(sweeps, self.velocity(z))

@@ -100,7 +100,8 @@ class OnPoints(Layout):
         with np.errstate(all="ignore"):
             f = points.values(orbit.U.reshape(-1, orbit.U.shape[2]), p).reshape(orbit.U.shape)
         step = orbit.period * orbit.h[:, None, None]
-        return np.asarray(orbit.U - orbit.beginnings[:, None] - step * np.einsum("ik,jkn->jin", A, f)).ravel()
+        moved = points.weighed(orbit.U - orbit.beginnings[:, None])
+        return np.asarray(moved - step * np.einsum("ik,jkn->jin", A, f)).ravel()
 
     def slopes(self, points: Points, p: Array, orbit: Trajectory) -> Array:
         return orbit.slopes.ravel()

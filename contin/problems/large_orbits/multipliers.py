@@ -35,7 +35,8 @@ def leading(sweeps: Sweeps, velocity: Array) -> tuple[NDArray[np.complex128], ND
 
     if n <= DENSE:
         values, vectors = np.linalg.eig(np.column_stack([quotient(row) for row in np.eye(n)]))
-        order = np.argsort(-np.abs(values))[: n - 1]
+        moving = n if sweeps.mass is None else int(np.sum(np.diff(sweeps.mass.indptr) > 0))  # states without mass: 0
+        order = np.argsort(-np.abs(values))[: moving - 1]
         return values[order].astype(complex), vectors[:, order].astype(complex)
     wanted = FIRST
     start = np.random.default_rng(23).normal(size=n)

@@ -43,6 +43,11 @@ class Points:
         model: object = self.system.model
         return model if isinstance(model, AtOnce) else None
 
+    def weighed(self, v: Array) -> Array:
+        """M v of rows (..., n), with the mass matrix or the identity."""
+        mass = self.source.mass
+        return v if mass is None else np.asarray((mass @ v.reshape(-1, v.shape[-1]).T).T.reshape(v.shape))
+
     def _named(self, p: Array) -> dict[str, float]:
         return dict(zip(self.system.parameter_names, p.tolist(), strict=True))
 

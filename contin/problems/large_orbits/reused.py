@@ -38,8 +38,8 @@ class Shared:
     step: float
 
     @classmethod
-    def of(cls, mean: csc_matrix, step: float, tally: Tally) -> Shared:
-        linear = DirectLinear(mean, Factoriser(tally))
+    def of(cls, mean: csc_matrix, step: float, tally: Tally, mass: csc_matrix | None = None) -> Shared:
+        linear = DirectLinear(mean, Factoriser(tally), mass=mass)
         return cls(linear.shifted(float(_VALUES[_REAL].real) / step), linear.shifted(_VALUES[_UP] / step), step)
 
     def about(self, right: Array, transposed: bool) -> Array:
@@ -56,20 +56,23 @@ class Shared:
 
 @dataclass(frozen=True, eq=False)
 class ReusedInterval:
-    """I - t (A x J) of one interval, J at its three points."""
+    """1 x M - t (A x J) of one interval, J at its three points."""
 
     three: Sequence[csc_matrix]
     shared: Shared
+    mass: csc_matrix | None = None
 
     def _apply(self, x: Array) -> Array:
         wide = x.reshape(-1, STAGES)
         moved = np.column_stack([J @ column for J, column in zip(self.three, wide.T, strict=True)])
-        return np.asarray((wide - self.shared.step * moved @ A.T).ravel())
+        weighed = wide if self.mass is None else self.mass @ wide
+        return np.asarray((weighed - self.shared.step * moved @ A.T).ravel())
 
     def _apply_transposed(self, x: Array) -> Array:
         wide = x.reshape(-1, STAGES)
         moved = np.column_stack([J.T @ column for J, column in zip(self.three, (wide @ A).T, strict=True)])
-        return np.asarray((wide - self.shared.step * moved).ravel())
+        weighed = wide if self.mass is None else self.mass.T @ wide
+        return np.asarray((weighed - self.shared.step * moved).ravel())
 
     def _solved(self, right: Vector, apply: Callable[[Array], Array], transposed: bool) -> Vector:
         if np.iscomplexobj(right):
@@ -87,7 +90,7 @@ class ReusedInterval:
 
 
 def intervals_with_shared_factors(
-    pairs: Sequence[tuple[Sequence[csc_matrix], float]], tally: Tally
+    pairs: Sequence[tuple[Sequence[csc_matrix], float]], tally: Tally, mass: csc_matrix | None = None
 ) -> list[ReusedInterval]:
     """From J at the three points and the length T h of each interval."""
     first = pairs[0][0][0]
@@ -99,5 +102,5 @@ def intervals_with_shared_factors(
     known: dict[float, Shared] = {}
     for _, step in pairs:
         if step not in known:
-            known[step] = Shared.of(mean, step, tally)
-    return [ReusedInterval(three, known[step]) for three, step in pairs]
+            known[step] = Shared.of(mean, step, tally, mass)
+    return [ReusedInterval(three, known[step], mass) for three, step in pairs]

@@ -1,11 +1,12 @@
 """The linearised equations of an orbit, solved from interval to interval.
 
-    d_j - 1 x d_{j-1,3} - T h_j (A x J) d_j = r_j,    d_{-1} = d_{N-1}
+    (1 x M) d_j - 1 x M d_{j-1,3} - T h_j (A x J) d_j = r_j,    d_{-1} = d_{N-1}
 
-with J at the interval's three points. Intervals are factored by themselves, or solved with factors that all of one
-length share (`reused`). Going once round is the action of the monodromy matrix M; closure, period, parameter and the
-conditions (phase, arclength) make a system of n + 2 unknowns (d_{N-1,3}, dT, dp) with I - M in it, which GMRES solves:
-M has few eigenvalues that are not small where a system dissipates (Sanchez, Net, Garcia-Archilla and Simo 2004).
+with the mass matrix M, or the identity, and J at the interval's three points. Intervals are factored by themselves, or
+solved with factors that all of one length share (`reused`). Going once round is the action of the monodromy matrix,
+called M from here on; closure, period, parameter and the conditions (phase, arclength) make a system of n + 2 unknowns
+(d_{N-1,3}, dT, dp) with I - M in it, which GMRES solves: M has few eigenvalues that are not small where a system
+dissipates (Sanchez, Net, Garcia-Archilla and Simo 2004).
 """
 
 from __future__ import annotations
@@ -43,19 +44,27 @@ class Sweeps:
 
     intervals: Sequence[Interval]
     n: int
+    mass: csc_matrix | None = None
 
     @classmethod
-    def of(cls, jacobians: Sequence[csc_matrix], steps: Array, factoriser: Factoriser) -> Sweeps:
+    def of(
+        cls, jacobians: Sequence[csc_matrix], steps: Array, factoriser: Factoriser, mass: csc_matrix | None = None
+    ) -> Sweeps:
         """From J at all points, three by three; steps = T h (intervals,)."""
-        matrices = one_pattern([full_diagonal(J) for J in jacobians])
+        weights = [] if mass is None else [full_diagonal(mass)]
+        matrices = one_pattern([*(full_diagonal(J) for J in jacobians), *weights])
+        own = None if mass is None else matrices.pop()
         n = matrices[0].shape[0]
         pattern = Pattern.of(matrices[0])
         threes = [matrices[k : k + STAGES] for k in range(0, len(matrices), STAGES)]
         pairs = list(zip(threes, steps.tolist(), strict=True))
-        band = factoriser.band_entries(pattern.matrix(*pairs[0]))
+        band = factoriser.band_entries(pattern.matrix(*pairs[0], own))
         if band * len(pairs) > NUMBERS if band is not None else n > SMALL or n * len(pairs) > MANY:
-            return cls(intervals_with_shared_factors(pairs, factoriser.tally), n)
-        return cls([factoriser.factor(pattern.matrix(three, step)) for three, step in pairs], n)
+            return cls(intervals_with_shared_factors(pairs, factoriser.tally, mass), n, mass)
+        return cls([factoriser.factor(pattern.matrix(three, step, own)) for three, step in pairs], n, mass)
+
+    def _weighed(self, x: Vector) -> Vector:
+        return x if self.mass is None else np.asarray(self.mass @ x)
 
     def along(
         self, beginning: Vector, right: Vector | None = None, jumps: Mapping[int, Vector] | None = None
@@ -70,7 +79,8 @@ class Sweeps:
         for j, interval in enumerate(self.intervals):
             if jumps is not None and j in jumps:
                 x = x + jumps[j]
-            known = np.broadcast_to(x, (STAGES, self.n)) if right is None else right[j] + x
+            held = self._weighed(x)
+            known = np.broadcast_to(held, (STAGES, self.n)) if right is None else right[j] + held
             out[j] = interval.solve(known.T.ravel()).reshape(self.n, STAGES).T
             x = out[j, 2]
         return out
@@ -79,7 +89,7 @@ class Sweeps:
         """M w."""
         x = w
         for interval in self.intervals:
-            x = interval.solve(np.repeat(x, STAGES))[STAGES - 1 :: STAGES]
+            x = interval.solve(np.repeat(self._weighed(x), STAGES))[STAGES - 1 :: STAGES]
         return x
 
     def transposed(self, w: Vector) -> Vector:
@@ -89,6 +99,7 @@ class Sweeps:
             known = np.zeros((self.n, STAGES), x.dtype)
             known[:, -1] = x
             x = interval.solve_transposed(known.ravel()).reshape(self.n, STAGES).sum(axis=1)
+            x = x if self.mass is None else np.asarray(self.mass.T @ x)
         return x
 
 

@@ -1,6 +1,8 @@
 """Normal forms of large systems. Left null vectors enter only as functionals, which bordered solves evaluate:
 
-[A q; q^H 0] [x; y] = [r; 0] gives y = <p, r> with <p, q> = 1, whatever the transpose of A would be.
+[A M q; q^H 0] [x; y] = [r; 0] gives y = <p, r> with <p, M q> = 1, whatever the transpose of A would be. M is the mass
+matrix of M u' = F, or the identity: the coefficients are those of u' = M^-1 F where that exists, and of the equations
+reduced to the states with mass where M is singular.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
-from contin.linalg.linear import Linear
+from contin.linalg.linear import Linear, moving
 from contin.normalforms.linear import normalise
 from contin.normalforms.result import TRUST, parts, sense
 from contin.records import Fields
@@ -35,8 +37,8 @@ def linear_at(problem: SparseEquations, z: Array) -> Linear:
 
 
 def projector(linear: Linear, q: Vector) -> Callable[[Vector], tuple[Vector, Any]]:
-    """r -> (x, <p, r>) with A x = r - <p, r> q and q^H x = 0."""
-    solver = linear.bordered(q[:, None], np.conj(q)[:, None], np.zeros((1, 1)))
+    """r -> (x, <p, r>) with A x = r - <p, r> M q and q^H x = 0."""
+    solver = linear.bordered(linear.weigh(q)[:, None], np.conj(q)[:, None], np.zeros((1, 1)))
 
     def project(r: Vector) -> tuple[Vector, Any]:
         found = solver.solve(np.append(r, 0.0))
@@ -45,13 +47,21 @@ def projector(linear: Linear, q: Vector) -> Callable[[Vector], tuple[Vector, Any
     return project
 
 
+def unit(linear: Linear, q: Vector) -> Vector:
+    """q with |q| = 1 over the states with mass, and the largest of these components positive."""
+    counted = normalise(q[moving(linear)])
+    whole = q[moving(linear)]
+    k = int(np.argmax(np.abs(counted)))
+    return counted if linear.mass is None else np.asarray(q * (counted[k] / whole[k]))
+
+
 def rounding(linear: Linear, value: complex, q: Vector) -> float:
     """How much the real part of an eigenvalue moves when the operator's entries are rounded: max |Re <p, E q>|.
 
     E has random entries of half a unit in the last place of A's, or, where A is not known by entries, of its size.
     """
     generator = np.random.default_rng(4)
-    q = normalise(q)
+    q = unit(linear, q)
     project = projector(linear.shifted(value), q)
     size = linear.magnitude(np.abs(q))
     noise = np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, len(q)))
@@ -66,7 +76,7 @@ def rounding_of_fold(problem: SparseEquations, z: Array, q: Vector) -> float:
     """
     generator = np.random.default_rng(6)
     linear = linear_at(problem, z)
-    project = projector(linear, normalise(q))
+    project = projector(linear, unit(linear, q))
     size = linear.magnitude(np.abs(z[:-1]))
     slope = abs(complex(project(problem.parameter_slope(z))[1]))
     noise = 0.5 * np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, problem.n))
@@ -85,7 +95,7 @@ def rounding_of_branch_point(problem: SparseEquations, z: Array, q: Vector, form
         return np.inf
     generator = np.random.default_rng(8)
     linear, slope = linear_at(problem, z), problem.parameter_slope(z)
-    q = normalise(q)
+    q = unit(linear, q)
     project = projector(linear, q)
     h = -np.real(project(slope)[0])
     worst = 0.0
@@ -140,8 +150,9 @@ def with_errors(problem: LargeEquations, z: Array, compute: Coefficients) -> tup
 
 def fold(problem: LargeEquations, z: Array, q: Vector) -> Fields:
     """`a` = <p, B(q, q)>/2."""
-    q = normalise(q)
-    project = projector(linear_at(problem, z), q)
+    linear = linear_at(problem, z)
+    q = unit(linear, q)
+    project = projector(linear, q)
     right = state(q)
     found, errors = with_errors(problem, z, lambda form: {"a": 0.5 * float(np.real(project(form(right, right))[1]))})
     return {**found, "errors": errors}
@@ -149,14 +160,15 @@ def fold(problem: LargeEquations, z: Array, q: Vector) -> Fields:
 
 def branch_point(problem: LargeEquations, z: Array, q: Vector) -> Fields:
     """FORMATS' reduced equation at a simple branch point; its kind as `contin.normalforms.branching` decides it."""
-    q = normalise(q)
-    project = projector(linear_at(problem, z), q)
+    linear = linear_at(problem, z)
+    q = unit(linear, q)
+    project = projector(linear, q)
     right = state(q)
 
     def response(r: Vector) -> tuple[Vector, float]:
-        """(x, <p, r>) with A x = -(r - <p, r> q1) and <p, x> = 0."""
+        """(x, <p, r>) with A x = -(r - <p, r> M q1) and <p, M x> = 0."""
         x, value = project(r)
-        return -(x - float(np.real(project(x)[1])) * q), float(np.real(value))
+        return -(x - float(np.real(project(linear.weigh(x))[1])) * q), float(np.real(value))
 
     def coefficients(form: Derivatives) -> dict[str, float]:
         h, a01 = response(form.slope())
@@ -184,8 +196,8 @@ Cubic = Callable[[Derivatives], complex]
 
 def hopf_coefficient(problem: LargeEquations, z: Array, q: Vector, omega: float) -> Cubic:
     """c1 = G21/2 of w' = i omega w + c1 w |w|^2 as a function of the derivatives (Kuznetsov, 3rd ed., sec. 5.4)."""
-    q = normalise(q)
     linear = linear_at(problem, z)
+    q = unit(linear, q)
     right, other = state(q), state(np.conj(q))
     twice, project = linear.shifted(2j * omega), projector(linear.shifted(1j * omega), q)
 

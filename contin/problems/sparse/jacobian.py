@@ -45,7 +45,8 @@ class JacobianSource:
         self.system = system
         self.factoriser = Factoriser()
         self._last: KrylovLinear | None = None
-        self._old = OldFactors(self.factoriser)
+        self.mass = system.model.mass_matrix
+        self._old = OldFactors(self.factoriser, self.mass)
         self._held: Held | None = None  # the user's preconditioner, ...
         self._before: Held | None = None  # ... and the one that it replaced, as long as it is not known to be better
         model = system.model
@@ -61,7 +62,7 @@ class JacobianSource:
             if self.system.model.preconditioner is not None:
                 return self._preconditioned(matrix, u, p)
             cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
-            return DirectLinear(matrix, self.factoriser) if cheap else self._old.at(matrix, u, p)
+            return DirectLinear(matrix, self.factoriser, mass=self.mass) if cheap else self._old.at(matrix, u, p)
         return self._matrix_free(u, p)
 
     def forget(self) -> None:
@@ -98,7 +99,7 @@ class JacobianSource:
         def apply_here(r: Array) -> Array:  # where it fails is this point, wherever it was made
             return np.asarray(self.system.attempt("preconditioning", lambda: approximate(r), lost, u, p))
 
-        self._last = KrylovLinear(product, apply_here, matrix=matrix, tally=self.factoriser.tally)
+        self._last = KrylovLinear(product, apply_here, matrix=matrix, tally=self.factoriser.tally, mass=self.mass)
         return self._last
 
     def rate(self) -> float | None:
@@ -175,7 +176,7 @@ class JacobianSource:
     def _matrix_free(self, u: Array, p: Array) -> KrylovLinear | None:
         product = self.system.attempt("Jacobian", lambda: self._product(u, p), None, u, p)
         if product is None or self.system.model.preconditioner is None:
-            return None if product is None else KrylovLinear(product, lambda r: r)
+            return None if product is None else KrylovLinear(product, lambda r: r, mass=self.mass)
         return self._serving(product, None, u, p)
 
     def _product(self, u: Array, p: Array) -> Callable[[Array], Array]:

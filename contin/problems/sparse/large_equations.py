@@ -15,6 +15,8 @@ from contin.continuation import march as python_march
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of, with_copies
 from contin.linalg.eigen import Spectrum, followed, leading
 from contin.linalg.linear import KrylovLinear, Linear
+from contin.linalg.pencil import OnRange, inverse_of
+from contin.linalg.region_of_pencil import RegionOfPencil
 from contin.machine import elementary
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
@@ -121,7 +123,7 @@ class LargeEquations(InOneParameterProblem):
         assert linear is not None
         n = self.n
         if linear.matrix is not None and n <= SMALL:
-            return every(linear.matrix.toarray())
+            return every(linear.matrix.toarray(), None if linear.mass is None else linear.mass.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
         radius = 0.0
         old = None if at_zero else self._old_inverse(linear)
@@ -131,17 +133,18 @@ class LargeEquations(InOneParameterProblem):
             if int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
                 return found
         if linear.matrix is not None:
-            right, up = work.region.of(linear.matrix)
-            if work.vectors is None and not np.isfinite(right):  # later ones grow out of those of the first point
-                right, up = work.region.of_any(linear.matrix)
+            right, up = self._region(linear)
             radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
-        found = leading(linear, n, start, radius, work.reach)
+        inverse = inverse_of(linear)
+        found = leading(inverse, n, linear.weigh(start), radius, work.reach)
         unstable = found.values[found.values.real > 0.0]
         reach = float(np.abs(unstable).max(initial=0.0)) if found.certain else 0.0
         if at_zero and found.values.size:
-            reach = max(reach, 2.0 * float(np.abs(found.values[0])), ROUNDINGS * rounding_of(linear, n))
+            reach = max(reach, 2.0 * float(np.abs(found.values[0])), ROUNDINGS * rounding_of(inverse, n))
         if reach > 0.0:
-            found = with_copies(linear, n, found, reach)
+            found = with_copies(inverse, n, found, reach)
+        if isinstance(inverse, OnRange):
+            found = inverse.back(found)
         if found.values.size:
             work.vectors = found.vectors[:, _to_follow(found.values)]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
@@ -149,10 +152,22 @@ class LargeEquations(InOneParameterProblem):
             work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
         return found
 
+    def _region(self, linear: Linear) -> tuple[float, float]:
+        """See `Region.of`; infinite where nothing is known."""
+        work = self.work
+        if linear.mass is not None:
+            work.of_pencil = work.of_pencil or RegionOfPencil(linear.mass)
+            right, up = work.of_pencil.of(linear.matrix)
+            return (right, up) if np.isfinite(right) else (0.0, 0.0)
+        right, up = work.region.of(linear.matrix)
+        if work.vectors is None and not np.isfinite(right):  # later ones grow out of those of the first point
+            right, up = work.region.of_any(linear.matrix)
+        return right, up
+
     def _old_inverse(self, linear: Linear) -> tuple[Callable[[Array], Array], float] | None:
         """About A^-1 times columns, from factors or a preconditioner of an earlier point, and what part of an error it
         leaves; None where there is none."""
-        if not isinstance(linear, KrylovLinear) or linear.fresh:
+        if not isinstance(linear, KrylovLinear) or linear.fresh or linear.mass is not None:
             return None
         if linear.precise is not None:
             return linear.precise.solve, OLD

@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.linalg.eigen import Region
 from contin.linalg.krylov import Accuracy
 from contin.linalg.linear import KrylovBordered, Linear, Solution
+from contin.linalg.region_of_pencil import RegionOfPencil
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
@@ -40,6 +41,7 @@ class Workspace:
     vectors: NDArray[np.complex128] | None = None
     gain: float = np.inf  # see `followed`
     region: Region = field(default_factory=Region)
+    of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
     judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so

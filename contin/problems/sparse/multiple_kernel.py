@@ -66,7 +66,9 @@ class Kernel:
         if norm(other) < 1e-6:
             other = np.append(np.zeros(len(z) - 1), 1.0)
         other = other / norm(other)
-        return cls(problem, z, np.column_stack([nulls, other]) / scale[:, None], nulls[:-1] * scale[:-1, None])
+        linear, columns = problem.linear(z), nulls[:-1] * scale[:-1, None]
+        columns = columns if linear is None else linear.weigh(columns)
+        return cls(problem, z, np.column_stack([nulls, other]) / scale[:, None], columns)
 
     @property
     def k(self) -> int:

@@ -25,8 +25,8 @@ NEAR = 1e-3  # change of the states, as a part of the largest, or of a parameter
 class OldFactors:
     """Makes operators with the last factors, and new factors where those have become the dearer ones."""
 
-    def __init__(self, factoriser: Factoriser) -> None:
-        self.factoriser = factoriser
+    def __init__(self, factoriser: Factoriser, mass: csc_matrix = None) -> None:
+        self.factoriser, self.mass = factoriser, mass
         self._last: KrylovLinear | None = None
         self._points = self._spent = 0  # that the factors have served, and the GMRES iterations there
         self._place = np.empty(0), np.empty(0)  # where they were made
@@ -47,10 +47,14 @@ class OldFactors:
             rough = self.factoriser.rough(matrix)
             factor = self.factoriser.factor(matrix) if rough is None else rough
             exact = rough is None
-            self._last = KrylovLinear(product, factor.solve, factor, exact, fresh=True, matrix=matrix, tally=tally)
+            self._last = KrylovLinear(
+                product, factor.solve, factor, exact, fresh=True, matrix=matrix, tally=tally, mass=self.mass
+            )
             return self._last
         near = is_near(u, p, *self._place)
-        self._last = KrylovLinear(product, last.precise.solve, last.precise, near=near, matrix=matrix, tally=tally)
+        self._last = KrylovLinear(
+            product, last.precise.solve, last.precise, near=near, matrix=matrix, tally=tally, mass=self.mass
+        )
         self._last.borders = last.borders
         return self._last
 

@@ -20,6 +20,7 @@ from contin.continuation.problem import Failure, Frame, Outcome, Rejected, Sampl
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear
+from contin.linalg.pencil import inverse_of
 from contin.linalg.vectors import norm
 from contin.normalforms.directions import any_branch_point
 from contin.normalforms.later import stated
@@ -221,13 +222,14 @@ def _floor(problem: LargeEquations, z: Array, frame: Frame) -> float:
 
 
 def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
-    """Newton on A q = l q, c^H q = 1 (c = the start, normalised): one factorisation of A - l an iteration."""
+    """Newton on A q = l M q, c^H q = 1 (c = the start, normalised): one factorisation of A - l M an iteration."""
     q = q / norm(q)
     c = q.conj()
     last = np.inf
     for _ in range(6):
-        solver = linear.shifted(value).bordered(-q[:, None], c[:, None], np.zeros((1, 1)))
-        right = np.append(-(linear.apply(q) - value * q), 1.0 - c @ q)
+        moved = linear.weigh(q)
+        solver = linear.shifted(value).bordered(-moved[:, None], c[:, None], np.zeros((1, 1)))
+        right = np.append(-(linear.apply(q) - value * moved), 1.0 - c @ q)
         step = solver.solve(right.astype(complex))
         size = abs(complex(step[-1])) / max(abs(value), 1e-300)
         if not np.isfinite(size) or (size >= 0.5 * last and size < 1e-6):
@@ -289,7 +291,8 @@ def reduction(problem: LargeEquations, z: Array, tangent: Array, scale: Array) -
     other /= norm(other)
     rows = np.column_stack([null, other]) / scale[:, None]
     size = scale[:-1] / norm(null[:-1])
-    return Reduced(problem, rows, null[:-1] * size, scale), q
+    column = linear_at(problem, z).weigh(null[:-1] * size)  # <p, M q> != 0, whatever <p, q> is
+    return Reduced(problem, rows, column, scale), q
 
 
 def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
@@ -325,7 +328,7 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
 
 def _vanishing(problem: LargeEquations, z: Array, values: NDArray[np.complex128]) -> int:
     """How many real eigenvalues are zero to rounding."""
-    limit = VANISHING * rounding_of(linear_at(problem, z), problem.n)
+    limit = VANISHING * rounding_of(inverse_of(linear_at(problem, z)), problem.n)
     return int(np.sum((np.abs(values) <= limit) & (values.imag == 0.0)))
 
 

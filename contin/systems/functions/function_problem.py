@@ -48,6 +48,8 @@ class FunctionProblem(GivenFunction):
         is made anew where it has become worse.
     arrays : (from numpy, to numpy), such as (cupy.asarray, cupy.asnumpy): all functions get arrays of that module and
         return them; `jacobian` then returns v -> dF/du v.
+    mass : M of M u' = F(u, p), constant: a vector (its diagonal), an array or a scipy.sparse matrix. It may be singular
+        (algebraic equations); equilibria, their eigenvalues and normal forms may have an index above 1.
     written, explain : the model that this function was made of, all of whose derivatives are exact and of every order,
         and (u, p) -> why it is not finite there, p (m,); None for a user's function.
     """
@@ -65,7 +67,7 @@ class FunctionProblem(GivenFunction):
                 f"Jacobian, for up to {DENSE_IN_KERNELS}. Simulate it with method='BDF' and a sparse Jacobian; orbits "
                 "start at Hopf points, or from samples of such a simulation"
             )
-        return FunctionInKernels(self)
+        return FunctionInKernels(self.divided())
 
     def watched(self) -> FunctionProblem:
         """The function with what is watched until it settles as its record: states (of angles cosine and sine)."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +18,13 @@ from contin.model.parts import Expectation, Start
 from contin.records import Record
 from contin.systems.functions.foreign_arrays import Elsewhere
 from contin.systems.functions.guarded import called, numbers
+from contin.systems.functions.mass import Divided, Mass, as_sparse
 from contin.systems.functions.names import check_name, check_names
 from contin.systems.functions.rotation import Rotation
 
 if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
     from contin.model.model import Model
     from contin.model.parts import Expectation
 
@@ -58,6 +62,7 @@ class GivenFunction:
     functions: Mapping[str, str] = {}
     labels: Mapping[str, str] = {}
     mass: Mapping[str, float] = {}
+    mass_matrix: csc_matrix | None = None  # of M u' = F, where the functions are not divided by it
     equations: tuple[()] = ()
 
     def __init__(
@@ -86,6 +91,7 @@ class GivenFunction:
         expect: Sequence[Record] = (),
         written: Model | None = None,
         explain: Callable[[Array, Array], str | None] | None = None,
+        mass: object = None,
     ) -> None:
         self.residual, self.jacobian = residual, jacobian
         self.u0 = np.array(u0, dtype=float).ravel()
@@ -120,6 +126,8 @@ class GivenFunction:
         self.written, self.explain = written, explain
         self._expect = tuple(expect)
         self._periods = self._periods_of(periods or {})
+        if mass is not None:
+            self._weigh(Mass.of(mass, self.n))
 
     def _periods_of(self, periods: Values) -> Array:
         """Periods (n,) of states, 0 of those that are no angles."""
@@ -143,6 +151,58 @@ class GivenFunction:
         self.record = None if self.record is None else other.record(self.record)
         self.preconditioner = None if self.preconditioner is None else other.preconditioner(self.preconditioner)
         self.symmetries = tuple(FunctionSymmetry(one.name, other.image(one.map)) for one in self.symmetries)
+
+    def _weigh(self, mass: Mass) -> None:
+        """The functions divided by M where that keeps their form; else M stays beside them, as `mass_matrix`."""
+        if self.kind != "flow":
+            raise InputError(f"function {self.name!r}: `mass` belongs to flows, M u' = F; this is kind: {self.kind}")
+        if mass.is_regular and (mass.is_diagonal or self.method == "dense"):
+            self._divide(mass)
+            return
+        if self.rotation is not None:
+            raise InputError(
+                f"function {self.name!r}: `rotation` beside a mass matrix that is not divided by (singular, or full beside "
+                "a sparse Jacobian) is not done; leave one of the two out"
+            )
+        if self.method == "dense":
+            if self.jacobian is None:
+                self.sparsity = np.ones((self.n, self.n))
+            else:
+                self.jacobian = as_sparse(self.jacobian)
+            del self.method
+        self.mass_matrix = mass.matrix
+
+    def _divide(self, mass: Mass) -> None:
+        divided = Divided(mass, self.n)
+        residual = divided.vectors(self.residual)
+        assert residual is not None
+        self.residual, self.jacobian = residual, divided.jacobian(self.jacobian)
+        self.parameter_jacobian = divided.vectors(self.parameter_jacobian)
+        self.derivative = divided.vectors(self.derivative)
+        self.preconditioner = divided.preconditioner(self.preconditioner)
+        self.mass_matrix = None
+
+    @property
+    def has_singular_mass(self) -> bool:
+        """Whether there is a mass matrix that cannot be divided by."""
+        return self.mass_matrix is not None and not Mass(self.mass_matrix).is_regular
+
+    def divided(self) -> Self:
+        """The same as u' = M^-1 F, dense; itself where no mass matrix is kept."""
+        if self.mass_matrix is None:
+            return self
+        mass = Mass(self.mass_matrix)
+        if not mass.is_regular:
+            raise InputError(
+                f"function {self.name!r} has a singular mass matrix ({mass.words}): what computes with u' = M^-1 F "
+                "cannot take it. There are its equilibria, orbits from Hopf points or samples, their curves in two "
+                "parameters, and trajectories by method='Radau'"
+            )
+        divided = copy(self)
+        for kept in ("in_kernels", "method"):
+            divided.__dict__.pop(kept, None)
+        divided._divide(mass)
+        return divided
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}: n = {self.n}, {self.method}>"
