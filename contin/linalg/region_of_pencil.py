@@ -3,7 +3,8 @@
 Let M be symmetric and positive on the states that have mass, V, and the rows of the others, P, be those of constraints
 D v = 0 whose multipliers enter as G p with G = +-D^T, as in incompressible flow. An eigenvector then has v^H G p = 0,
 and l = v^H F v / v^H M v with F the block of A at V: its real and imaginary part lie in the fields of values of the
-symmetric and the antisymmetric part of F, in units of M. Where A is not of that form nothing is known.
+symmetric and the antisymmetric part of F, in units of M. Rows of P that hold one state at 0 (a boundary value, a
+pressure that is fixed) take it out of the pencil. Where A is not of that form nothing is known.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.linalg.eigen import Region
 
@@ -50,15 +52,25 @@ class RegionOfPencil:
         if self._units is None:
             return UNKNOWN
         scale, smallest = self._units
-        rows, still = matrix[self.moving], ~self.moving
+        rows, still = matrix[self.moving], ~self.moving & ~_held(matrix, ~self.moving)
         if still.any():
             forces, constraints = rows[:, still], matrix[still][:, self.moving]
-            if abs(matrix[still][:, still]).max() > 0.0:
+            inner = matrix[still][:, still]
+            if inner.nnz and abs(inner).max() > 0.0:
                 return UNKNOWN
             if not (_same(forces, constraints.T) or _same(forces, -constraints.T)):
                 return UNKNOWN
         right, up = Region.of_any((scale @ rows[:, self.moving] @ scale).tocsc())
         return right / smallest, up / smallest
+
+
+def _held(matrix: csc_matrix, still: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of the equations without mass have no entry but that on their diagonal."""
+    entries = matrix.tocoo()
+    counted = entries.data != 0.0
+    others = counted & (entries.row != entries.col)
+    elsewhere = np.bincount(entries.row[others], minlength=matrix.shape[0])
+    return still & (elsewhere == 0) & (matrix.diagonal() != 0.0)
 
 
 def _same(a: Any, b: Any) -> bool:
