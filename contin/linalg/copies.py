@@ -56,7 +56,7 @@ def kernel(linear: Linear, near: Array) -> Array:
     Eigenvectors of equal eigenvalues may be almost the same vector; what A^-1 makes of a space is all of the kernel.
     """
     count, random = near.shape[1], np.random.default_rng(17)
-    basis = np.linalg.qr(near / norm(near) + random.normal(size=near.shape) / np.sqrt(near.size))[0].T
+    basis = np.linalg.qr(near / norm(near.ravel()) + random.normal(size=near.shape) / np.sqrt(near.size))[0].T
     for _ in range(INVERSE_STEPS):
         image = np.array([linear.solve(v) for v in basis])
         fresh = orthonormal(image) if np.all(np.isfinite(image)) else image[:0]

@@ -46,7 +46,7 @@ class OnRange:
             w = found.vectors[:, k]
             v = self.linear.solve(w.real) + (1j * self.linear.solve(w.imag) if value.imag != 0.0 else 0.0)
             moved = self.linear.weigh(v)
-            if norm(moved - w / value) <= GENUINE * norm(moved):
+            if 0.0 < norm(moved) < np.inf and norm(moved - w / value) <= GENUINE * norm(moved):
                 kept.append(k)
                 vectors.append(v / norm(v))
         columns = np.array(vectors, dtype=complex).reshape(len(kept), len(found.vectors)).T

@@ -27,6 +27,8 @@ from contin.systems.functions.function_system import FunctionSystem
 STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
 FEWEST_STABLE = 2  # eigenvalues that are followed; with fewer, the next ones are looked for again
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
+MOST_TELLING = 10  # eigenvalues of each kind that are kept of many, ...
+TELLING = 1.5  # ... beside those up to so many times the largest unstable one
 OLD = 0.09  # part of an error that factors of an earlier point leave
 
 
@@ -141,6 +143,8 @@ class LargeEquations(InOneParameterProblem):
         reach = float(np.abs(unstable).max(initial=0.0)) if found.certain else 0.0
         if at_zero and found.values.size:
             reach = max(reach, 2.0 * float(np.abs(found.values[0])), ROUNDINGS * rounding_of(inverse, n))
+        if isinstance(inverse, OnRange):  # every vector costs solves more
+            found = _telling(found, reach)
         if reach > 0.0:
             found = with_copies(inverse, n, found, reach)
         if isinstance(inverse, OnRange):
@@ -187,6 +191,19 @@ class LargeEquations(InOneParameterProblem):
         values = judged[1]
         tests, unstable = stability_tests(values)
         return tests, unstable, values
+
+
+def _telling(found: Spectrum, reach: float) -> Spectrum:
+    """Those of many eigenvalues that say something of stability: nearest to zero, rightmost, next to the axis."""
+    values = found.values
+    sizes, growth = np.abs(values), -values.real
+    across = np.where(values.imag != 0.0, np.abs(values.real) / np.maximum(sizes, np.finfo(float).tiny), np.inf)
+    kept = (sizes <= TELLING * reach) | (values.real > 0.0)
+    if len(values) > MOST_TELLING:
+        for measure in (sizes, growth, across):
+            kept |= measure <= np.partition(measure, MOST_TELLING)[MOST_TELLING]
+        found = replace(found, values=values[kept], vectors=found.vectors[:, kept])
+    return found
 
 
 def _to_follow(values: NDArray[np.complex128]) -> NDArray[np.intp]:
