@@ -70,7 +70,7 @@ def _held(matrix: csc_matrix, still: NDArray[np.bool_]) -> NDArray[np.bool_]:
     counted = entries.data != 0.0
     others = counted & (entries.row != entries.col)
     elsewhere = np.bincount(entries.row[others], minlength=matrix.shape[0])
-    return still & (elsewhere == 0) & (matrix.diagonal() != 0.0)
+    return np.asarray(still & (elsewhere == 0) & (matrix.diagonal() != 0.0))
 
 
 def _same(a: Any, b: Any) -> bool:

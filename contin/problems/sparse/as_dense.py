@@ -24,9 +24,7 @@ def divided(system: FunctionSystem) -> FunctionSystem:
 def dense_problem(problem: LargeProblem) -> EquilibriumProblem | None:
     """The same equations with the same parameter free; None beyond `MOST` states, of a user's function `SMALL`."""
     written = problem.system.model.written
-    if problem.system.model.has_singular_mass:
-        return None
-    if problem.n > (SMALL if written is None else MOST):
+    if problem.n > (SMALL if written is None else MOST) or problem.system.model.has_singular_mass:
         return None
     if written is None:
         return EquilibriumProblem(divided(problem.system), problem.base, problem.active, problem.angle_periods)

@@ -161,8 +161,8 @@ class GivenFunction:
             return
         if self.rotation is not None:
             raise InputError(
-                f"function {self.name!r}: `rotation` beside a mass matrix that is not divided by (singular, or full beside "
-                "a sparse Jacobian) is not done; leave one of the two out"
+                f"function {self.name!r}: `rotation` beside a mass matrix that is not divided by (singular, or full "
+                "beside a sparse Jacobian) is not done; leave one of the two out"
             )
         if self.method == "dense":
             if self.jacobian is None:
