@@ -8,7 +8,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
-from contin.errors import NoSolutionError, NotFiniteError
+from contin.errors import InputError, NoSolutionError, NotFiniteError
+from contin.linalg.linear import Linear
+from contin.linalg.vectors import norm
 from contin.problems.sparse.as_dense import SMALL, divided
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.large_equilibrium import LargeProblem
@@ -17,6 +19,7 @@ from contin.systems.functions.function_system import FunctionSystem
 
 BUDGET = 40
 ACCURATE = 1e-12
+UNSEEN = 1e-11  # part of its size up to which a product is rounding
 ACCEPTABLE = 1e-6  # a correction that no longer falls, because of rounding or at a fold
 
 
@@ -48,6 +51,24 @@ def as_small(solution: object) -> object:
     return Equilibrium(divided(solution.system), solution.u, solution.p, solution.system.model.periods())
 
 
+def refuse_singular_pencil(linear: Linear, name: str) -> None:
+    """InputError where a direction is in the kernels of F_u and of M, so that solutions are not determined by it."""
+    q = np.random.default_rng(13).normal(size=linear.mass.shape[0])
+    for _ in range(2):
+        q = linear.solve(q / norm(q))
+        if not np.all(np.isfinite(q)):
+            return
+    q = q / norm(q)
+    is_kernel = norm(linear.apply(q)) <= UNSEEN * norm(linear.magnitude(np.abs(q)))
+    if is_kernel and norm(linear.weigh(q)) <= UNSEEN * norm(abs(linear.mass) @ np.ones(len(q))):
+        k = int(np.argmax(np.abs(q)))
+        raise InputError(
+            f"function {name!r}: states are not determined, neither by F = 0 nor by M: F_u q = 0 and M q = 0 with q "
+            f"largest in component {k}. A pressure that is defined up to a constant? Fix one value by an equation "
+            "of its own"
+        )
+
+
 def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibrium:
     """Newton at fixed p, with the step halved while the natural monotonicity test fails (Deuflhard 2004)."""
     source = JacobianSource(system)
@@ -61,6 +82,8 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
         if history[-1] == 0.0:
             return LargeEquilibrium(system, u, p, source)
         linear = source.at(u, p)
+        if linear is not None and linear.mass is not None and len(history) == 1:
+            refuse_singular_pencil(linear, system.model.name)
         step = None if linear is None else linear.solve(-f)
         if linear is None or step is None or not np.all(np.isfinite(step)):
             break

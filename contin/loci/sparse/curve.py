@@ -233,11 +233,10 @@ class LargeCurve:
         """c along Re q; b with a part along Im q, without which it would lose the left vector at a BT."""
         real = real / norm(real)
         imaginary = imaginary - (imaginary @ real) * real
-        b = real + (imaginary / norm(imaginary) if norm(imaginary) > 0.0 else 0.0)
-        b = self._weighed(z, b)
+        regular = real + (imaginary / norm(imaginary) if norm(imaginary) > 0.0 else 0.0)
+        b = self._weighed(z, regular)
         problem, point = self.branch(z)
         spectrum = problem.spectrum(point)  # A is regular there but for zero-Hopf points
-        regular = real + (imaginary / norm(imaginary) if norm(imaginary) > 0.0 else 0.0)
         if spectrum.values.size:
             nearest = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
             if norm(nearest) > 0.0:

@@ -279,3 +279,16 @@ def test_trajectories_of_index_one_are_those_of_the_reduced_flow():
         assert run.steps < (40 if rtol == 1e-5 else 150)
     with pytest.raises(InputError, match="index is above 1"):
         contin.simulate(incompressible(brusselator(3), 1), time=1.0, method="Radau")
+
+
+def test_a_pressure_that_is_determined_up_to_a_constant_is_told():
+    """Three velocities in a ring of cells with pressures, whose sum of gradients vanishes."""
+    g = np.array([[1.0, -1, 0], [0, 1, -1], [-1, 0, 1]])
+
+    def residual(u, p):
+        v, q = u[:3], u[3:]
+        return np.concatenate([p["f"] - v + g @ q, g.T @ v])
+
+    model = contin.FunctionProblem(residual, np.zeros(6), {"f": 1.0}, mass=[1.0, 1, 1, 0, 0, 0])
+    with pytest.raises(InputError, match=r"M q = 0.*Fix one value"):
+        contin.equilibrium(model)
