@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.sparse.linalg import LinearOperator, splu
 
 import contin
 from contin.errors import InputError
@@ -292,3 +293,22 @@ def test_a_pressure_that_is_determined_up_to_a_constant_is_told():
     model = contin.FunctionProblem(residual, np.zeros(6), {"f": 1.0}, mass=[1.0, 1, 1, 0, 0, 0])
     with pytest.raises(InputError, match=r"M q = 0.*Fix one value"):
         contin.equilibrium(model)
+
+
+def test_products_and_a_preconditioner_do_beside_a_mass_matrix():
+    plain, mass = brusselator(35), regular(70)
+
+    def matrix(u, p):
+        return sp.csc_matrix(mass @ plain.jacobian(u, p))
+
+    def products(u, p):
+        made = matrix(u, p)
+        return LinearOperator(made.shape, matvec=lambda v: made @ v, dtype=float)
+
+    free = contin.FunctionProblem(
+        lambda u, p: mass @ plain.residual(u, p), plain.u0, plain.values, products, mass=mass,
+        preconditioner=lambda u, p: splu(matrix(u, p)).solve,
+    )  # fmt: skip
+    assert free.method == "matrix-free"
+    lines = [contin.continuation(f, "B", (5.0, 5.6)) for f in (free, plain)]
+    assert assert_alike(*lines) == ["HB", "HB"]
