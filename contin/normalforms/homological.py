@@ -26,7 +26,7 @@ from math import factorial
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, lift, size_of_terms
+from contin.normalforms.jet import Jet, Real, lift, mass_of, size_of_terms
 from contin.normalforms.linear import EigenPair, solve
 from contin.normalforms.result import TRUST
 
@@ -46,6 +46,7 @@ class CentreManifold:
 
     def __init__(self, jet: Jet, pairs: Sequence[EigenPair]) -> None:
         self.jet = jet
+        self._mass = mass_of(jet)
         self.values = np.array([pair.value for pair in pairs], dtype=complex)
         is_real = not np.any(self.values.imag) and not any(np.iscomplexobj(pair.right) for pair in pairs)
         self._dtype = float if is_real else complex  # of all coefficients: real forms take a third of the time
@@ -89,7 +90,7 @@ class CentreManifold:
         if v not in self._h:
             multiplier = self._multiplier(v)
             shift = multiplier if self._dtype is complex else multiplier.real
-            matrix = self.jet.A - shift * (np.eye(self.jet.n) if self.jet.mass is None else self.jet.mass)
+            matrix = self.jet.A - shift * (np.eye(self.jet.n) if self._mass is None else self._mass)
             resonant = list(self._normal(v))
             borders = self._borders(resonant) if resonant else (None, None)
             self._h[v] = solve(matrix, -self._inhomogeneity(v), *borders)
@@ -97,11 +98,11 @@ class CentreManifold:
 
     def _borders(self, resonant: list[int]) -> tuple[Vector, Vector]:
         """M q_j and M^T p_j as columns."""
-        right, left, mass = self.right[resonant].T, self.left[resonant].T, self.jet.mass
+        right, left, mass = self.right[resonant].T, self.left[resonant].T, self._mass
         return (right, left) if mass is None else (mass @ right, mass.T @ left)
 
     def _weighed(self, h: Vector) -> Vector:
-        return h if self.jet.mass is None else self.jet.mass @ h
+        return h if self._mass is None else self._mass @ h
 
     def _normal(self, v: Index) -> dict[int, complex]:
         """g_v as {j: value} for every j that is resonant with v; the linear part diag(lambda) is not among them."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.machine import elementary
 from contin.normalforms.homological import CentreManifold
-from contin.normalforms.jet import Complex, Jet, Real
+from contin.normalforms.jet import Complex, Jet, Real, mass_of
 from contin.normalforms.linear import EigenPair, eigen_pair, eigenvalues, null_pair
 from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts, sense
 
@@ -65,7 +65,7 @@ def conjugate(pair: EigenPair) -> EigenPair:
 
 def hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     """The centre manifold of w' = i omega w + ..., coordinates (w, conj w, parameters)."""
-    pair = critical_pair(jet.A, omega, jet.scale, jet.mass)
+    pair = critical_pair(jet.A, omega, jet.scale, mass_of(jet))
     return CentreManifold(jet, [pair, conjugate(pair)])
 
 

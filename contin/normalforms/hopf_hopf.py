@@ -6,7 +6,7 @@ import numpy as np
 
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import CyclePredictor, conjugate, critical_pair
-from contin.normalforms.jet import Jet
+from contin.normalforms.jet import Jet, mass_of
 from contin.normalforms.linear import eigen_pair, eigenvalues
 from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts
 
@@ -16,15 +16,15 @@ RESONANT = 1e-4  # relative distance at which omega1 : omega2 counts as a ratio 
 def hopf_hopf_manifold(jet: Jet, omegas: tuple[float, float] | None = None) -> CentreManifold:
     """Coordinates (w1, conj w1, w2, conj w2, parameters), omega1 > omega2."""
     if omegas is None:
-        every = eigenvalues(jet.A, jet.mass)
+        every = eigenvalues(jet.A, mass_of(jet))
         upper = sorted((v for v in every if v.imag > 0.0), key=lambda v: abs(v.real) / abs(v))
         if len(upper) < 2:
             raise NotThisTypeError("fewer than two pairs of complex eigenvalues: this is not a Hopf-Hopf point")
-        first, second = (eigen_pair(jet.A, value, mass=jet.mass).value.imag for value in upper[:2])
+        first, second = (eigen_pair(jet.A, value, mass=mass_of(jet)).value.imag for value in upper[:2])
         omegas = first, second
     pairs = []
     for omega in sorted(omegas, reverse=True):
-        pair = critical_pair(jet.A, omega, jet.scale, jet.mass)
+        pair = critical_pair(jet.A, omega, jet.scale, mass_of(jet))
         pairs += [pair, conjugate(pair)]
     return CentreManifold(jet, pairs)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement, product
-from typing import Final, Literal, Protocol, TypeAlias
+from typing import Final, Literal, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +43,6 @@ class Jet(Protocol):
     def A(self) -> Real: ...
 
     @property
-    def mass(self) -> Real | None:
-        """M (n, n) of M u' = F(u, p), singular or not; None: the identity."""
-
-    @property
     def scale(self) -> Real | None:
         """Typical sizes of the states, (n,), all positive, where they are known: null vectors are computed in them."""
 
@@ -55,6 +51,20 @@ class Jet(Protocol):
         """|D^2 F_i(u0, p0)[e_j, e_k]| in the states, (n, n, n)."""
 
     def form(self, *directions: Vector) -> Vector: ...
+
+
+@runtime_checkable
+class Weighed(Protocol):
+    """A jet of M u' = F(u, p)."""
+
+    @property
+    def mass(self) -> Real | None:
+        """M (n, n), singular or not; None: the identity."""
+
+
+def mass_of(jet: Jet) -> Real | None:
+    """M of a jet that has one; None: the identity."""
+    return jet.mass if isinstance(jet, Weighed) else None
 
 
 @dataclass(frozen=True, eq=False)

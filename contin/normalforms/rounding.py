@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import DerivativeJet, Jet, Kind, Real, contracted
+from contin.normalforms.jet import DerivativeJet, Jet, Kind, Real, contracted, mass_of
 from contin.normalforms.result import NO_FORM, NormalForm
 
 PATTERNS: Final = 3
@@ -75,7 +75,7 @@ class RoundedJet:
 
     @property
     def mass(self) -> Real | None:
-        return self.jet.mass
+        return mass_of(self.jet)
 
     @property
     def scale(self) -> Real | None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import CyclePredictor, conjugate, critical_pair
-from contin.normalforms.jet import Jet
+from contin.normalforms.jet import Jet, mass_of
 from contin.normalforms.linear import null_pair
 from contin.normalforms.result import NormalForm, parts
 from contin.normalforms.static import StateError, quadratic_error
@@ -14,8 +14,8 @@ from contin.normalforms.static import StateError, quadratic_error
 
 def zero_hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     """Coordinates (w0 real, w1, conj w1, parameters)."""
-    pair = critical_pair(jet.A, omega, jet.scale, jet.mass)
-    return CentreManifold(jet, [null_pair(jet.A, 0.0, jet.scale, jet.mass), pair, conjugate(pair)])
+    pair = critical_pair(jet.A, omega, jet.scale, mass_of(jet))
+    return CentreManifold(jet, [null_pair(jet.A, 0.0, jet.scale, mass_of(jet)), pair, conjugate(pair)])
 
 
 def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError = None) -> NormalForm:
