@@ -105,17 +105,19 @@ class Region:
             self._diagonal = np.flatnonzero(columns == matrix.indices)
 
 
-def leading(linear: Inverse, n: int, start: Array, radius: float, known: float = 0.0) -> Spectrum:
-    """Eigenvalues of A with |l| <= radius, at least `FEWEST` and those up to 1.3 * known, from A^-1.
+def leading(
+    linear: Inverse, n: int, start: Array, radius: float, known: float = 0.0, fewest: int = FEWEST
+) -> Spectrum:
+    """Eigenvalues of A with |l| <= radius, at least `fewest` and those up to 1.3 * known, from A^-1.
 
     start : (n,) vector to begin with; a sum of the eigenvectors at a point nearby saves solves.
     """
-    most = int(min(n, LARGEST_BASIS, max(3 * FEWEST, MEMORY / n)))
+    most = int(min(n, LARGEST_BASIS, max(3 * fewest, MEMORY / n)))
     basis = np.empty((most + 1, n))
     hessenberg = np.zeros((most + 1, most))
     basis[0] = start / norm(start)
     wanted = max(radius, MARGIN * known)
-    size = min(most, 2 * FEWEST)
+    size = min(most, 2 * fewest)
     done, complete = 0, False
     while True:
         for k in range(done, size):
@@ -150,7 +152,7 @@ def leading(linear: Inverse, n: int, start: Array, radius: float, known: float =
         values = 1.0 / np.where(theta == 0.0, 1e-300, theta)
         all_found = complete and count == size
         reached = count > 0 and (np.abs(values[count - 1]) >= wanted or all_found)
-        enough = count >= min(FEWEST, n) or all_found
+        enough = count >= min(fewest, n) or all_found
         if (enough and reached) or size == most:
             keep = _without_half_pairs(values, count)
             vectors = basis[:size].T @ ritz[:, :keep]

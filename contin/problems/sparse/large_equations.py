@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of, with_copies
-from contin.linalg.eigen import Spectrum, followed, leading
+from contin.linalg.eigen import FEWEST, Spectrum, followed, leading
 from contin.linalg.linear import KrylovLinear, Linear
 from contin.linalg.pencil import OnRange, inverse_of
 from contin.linalg.region_of_pencil import RegionOfPencil
@@ -29,6 +29,7 @@ FEWEST_STABLE = 2  # eigenvalues that are followed; with fewer, the next ones ar
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 MOST_TELLING = 10  # eigenvalues of each kind that are kept of many, ...
 TELLING = 1.5  # ... beside those up to so many times the largest unstable one
+UNBOUNDED = 20  # eigenvalues that are computed where nothing is known of where unstable ones are
 OLD = 0.09  # part of an error that factors of an earlier point leave
 
 
@@ -138,7 +139,8 @@ class LargeEquations(InOneParameterProblem):
             right, up = self._region(linear)
             radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
         inverse = inverse_of(linear)
-        found = leading(inverse, n, linear.weigh(start), radius, work.reach)
+        fewest = UNBOUNDED if linear.mass is not None and not self._bounded(linear) else FEWEST
+        found = leading(inverse, n, linear.weigh(start), radius, work.reach, fewest)
         unstable = found.values[found.values.real > 0.0]
         reach = float(np.abs(unstable).max(initial=0.0)) if found.certain else 0.0
         if at_zero and found.values.size:
@@ -167,6 +169,22 @@ class LargeEquations(InOneParameterProblem):
         if work.vectors is None and not np.isfinite(right):  # later ones grow out of those of the first point
             right, up = work.region.of_any(linear.matrix)
         return right, up
+
+    def _bounded(self, linear: Linear) -> bool:
+        """Whether a part of the plane is known in which all unstable eigenvalues of the pencil are."""
+        if linear.matrix is None:
+            return False
+        self.work.of_pencil = self.work.of_pencil or RegionOfPencil(linear.mass)
+        return bool(np.isfinite(self.work.of_pencil.of(linear.matrix)[0]))
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        linear = self.linear(z[-1]) if self.system.model.mass_matrix is not None and self.n > SMALL else None
+        if linear is None or self._bounded(linear):
+            return ()
+        return (
+            f"stability is that of the {UNBOUNDED} or more eigenvalues nearest to zero: with this mass matrix no "
+            "region is known in which all unstable ones are",
+        )
 
     def _old_inverse(self, linear: Linear) -> tuple[Callable[[Array], Array], float] | None:
         """About A^-1 times columns, from factors or a preconditioner of an earlier point, and what part of an error it

@@ -312,3 +312,27 @@ def test_products_and_a_preconditioner_do_beside_a_mass_matrix():
     assert free.method == "matrix-free"
     lines = [contin.continuation(f, "B", (5.0, 5.6)) for f in (free, plain)]
     assert assert_alike(*lines) == ["HB", "HB"]
+
+
+def test_an_unstable_pair_behind_many_slow_states_is_found_and_what_is_not_known_is_told():
+    """An oscillation of frequency 9 beside 70 real eigenvalues -0.1 k, with an algebraic state between them."""
+    n, rates = 70, -0.1 * np.arange(1.0, 71.0)
+
+    def residual(u, p):
+        x, y, w, rest = u[0], u[1], u[2], u[3:]
+        turning = [p["mu"] * x - 9.0 * y - x * w, 9.0 * x + p["mu"] * y - y * w, w - x * x - y * y + x / 3.0]
+        return np.concatenate([turning, rates * rest])
+
+    pattern = sp.block_diag([np.ones((3, 3)), sp.identity(n)], format="csc")
+    mass = np.ones(n + 3)
+    mass[2] = 0.0
+    model = contin.FunctionProblem(residual, np.zeros(n + 3), {"mu": -0.5}, sparsity=pattern, mass=mass)
+    line = contin.continuation(model, "mu", (-0.5, 0.5))
+    assert any("no region is known" in note for note in line.notes)
+    fast = contin.FunctionProblem(
+        lambda u, p: residual(u, p) * np.append([0.1, 0.1, 1.0], np.ones(n)), np.zeros(n + 3), {"mu": -0.5},
+        sparsity=pattern, mass=mass,
+    )  # fmt: skip
+    slow = contin.continuation(fast, "mu", (-0.5, 0.5))
+    assert [p.type for p in slow.points] == ["HB"]  # of frequency 0.9, behind eight real ones
+    assert slow["HB1"].normal_form["omega"] == pytest.approx(0.9, abs=1e-9)
