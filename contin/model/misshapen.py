@@ -37,7 +37,7 @@ def note(
     """
     path, kind, value = place_of(item), item["type"], item.get("input")
     if own is not None and kind in own:
-        problems.add(path, own[kind])
+        problems.add(path, own[kind], key=kind == "extra_forbidden")
     elif kind == "extra_forbidden":
         problems.add(path, unknown_key(str(path[-1]), allowed(path[:-1])), key=True)
     elif kind == "missing":

@@ -16,6 +16,10 @@ from contin.model.yaml_reader import read_file
 from contin.records import Json
 from contin.runs.schema import RunEntry
 
+VALUES: Final = (
+    "unknown key: values of parameters stand in the start, {x: 1, parameters: {a: 2}}, or, for all runs, under "
+    "`parameters:` at the top of the file"
+)
 _EXAMPLES: Final = {
     "model": "add `model: NAME` (see `contin models`), a path, or a whole model",
     "parameter": "add `parameter: NAME`, the parameter to vary",
@@ -70,6 +74,8 @@ def _note(item: Json, problems: Problems, shape: type[BaseModel]) -> None:
     value = item.get("input")
     count = len(value) if isinstance(value, list) else shown(value)
     own = {"too_long": f"expected one parameter or two, got {count}"}
+    if item["loc"][-1] == "parameters":
+        own["extra_forbidden"] = VALUES
     note(item, problems, lambda path: _keys_at(path, shape), _EXAMPLES, own)
 
 

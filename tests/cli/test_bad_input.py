@@ -51,6 +51,7 @@ def message(tmp_path, capsys):
             "case.yaml:4:46: continuations[0].parameter: pair has no parameter 'mi': did",
         ),
         ("parameter: mu", "paramter: mu", "continuations[0].paramter: unknown key: did you mean 'parameter'"),
+        ("name: line", "parameters: {mu: 1}", "unknown key: values of parameters stand in the start"),
         (
             "parameter: mu",
             "parameter: [mu, beta]",
