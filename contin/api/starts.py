@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contin.api.fixed_totals import for_branches, is_auto, named_start
-from contin.api.frames import frame_for
+from contin.api.frames import frame_for, lift_for
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
@@ -37,7 +37,8 @@ def equilibrium(
     Where linear conserved quantities exist, the solution is that with the start's totals: they are parameters, named
     total_A, and one state of each is eliminated (`contin.symbolic.passes.conserved`).
 
-    period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
+    period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u. Angles are equal modulo their period: what the start
+        gains, in full turns to the nearest one, its solution gains.
 
     In a model that declares a rotation, a start that it moves leads to a rotating wave (relative equilibrium);
     it is solved, and continued, in the frame that turns with it (`contin.symbolic.passes.corotating`; of functions,
@@ -60,6 +61,7 @@ def equilibrium(
     sparse = sparse_function(model, u, p) if period == 1 else None
     if sparse is not None:
         return converge_large(sparse.system(), u, p)
+    model = lift_for(model, u, p, period)
     system = compiled(model) if period == 1 else iterate(compiled(model), period)
     try:
         return converge(system, u, p, np.asarray(model.periods(), dtype=float))

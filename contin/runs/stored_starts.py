@@ -19,6 +19,7 @@ from contin.model.model import Model
 from contin.model.source import Path, Problems
 from contin.runs.outputs import path_mistake
 from contin.store.digest import DamageWarning
+from contin.symbolic.passes.lifted import is_lift
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -109,7 +110,8 @@ def another_model(model: Model, point: SpecialPoint) -> str | None:
         return None if stored.name == model.name else f"it was computed from the model {stored.name!r}"
     if unknown or tuple(stored.state_names) != tuple(model.state_names) or stored.kind != model.kind:
         return f"it was computed from another model, {stored.name!r} in {', '.join(stored.state_names[:8])}"
-    if stored.equations != model.equations or _time(stored) != _time(model):
+    same = stored.equations == model.equations or is_lift(stored, model)
+    if not same or _time(stored) != _time(model):
         return f"it was computed from other equations than those of {model.name}; name the model that it came from"
     return None
 
