@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.machine import elementary
 from contin.problems.equilibria.defining import _bordered as solve
+from contin.problems.gauged import Gauged
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -40,7 +41,7 @@ class Borders:
 
 
 @dataclass(frozen=True, eq=False)
-class BorderedCurve:
+class BorderedCurve(Gauged):
     """z = (u, [kappa or unfolding], further parameters, second parameter, first parameter).
 
     Without `more` parameters N - 1 equations; with each of them one equation fewer than makes a curve.
@@ -132,10 +133,6 @@ class BorderedCurve:
         """Borders for work near z: those chosen, or some that fit at z."""
         known = self.gauge if gauge is None else cast(Borders, gauge)
         return self._borders(z) if known is None else known
-
-    def gauged(self, gauge: Any) -> Self:
-        """The same curve with what was chosen for a stretch of it, if anything was."""
-        return self if gauge is None else replace(self, gauge=gauge)
 
     def settled(self, z: Array, scale: Array) -> Self:
         """The same curve with borders that fit at z and have the sense of those before."""

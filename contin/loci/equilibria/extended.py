@@ -13,6 +13,7 @@ import numpy as np
 from contin.abi import Array
 from contin.lowering import compile_system
 from contin.machine import elementary
+from contin.problems.gauged import Gauged
 from contin.symbolic.passes import loci
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class Gauge:
 
 
 @dataclass(frozen=True, eq=False)
-class ExtendedCurve:
+class ExtendedCurve(Gauged):
     """z = (u, null vectors, [kappa or unfolding], second parameter, first parameter); N - 1 equations.
 
     system : the model's own.  base (m,) : all its parameters.  sizes (n,) : typical sizes of its states.
@@ -131,10 +132,6 @@ class ExtendedCurve:
         return np.asarray(self.system.jacobian(z[: self.n], self.full_parameters(z))[1][:, : self.n])
 
     # -- the equations ------------------------------------------------------------------------------------------------
-
-    def gauged(self, gauge: Any) -> Self:
-        """The same curve with what was chosen for a stretch of it, if anything was."""
-        return self if gauge is None else replace(self, gauge=gauge)
 
     def parameters(self, z: Array, gauge: Any = None) -> Array:
         """Parameters of the extended system for work near z, whose own vector belongs to them."""

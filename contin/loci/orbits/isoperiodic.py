@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample
+from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.loci.orbits.renewal import renew
 from contin.problems.orbits.collocated_orbits import OrbitProblem
-from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.linearised.tangent_solver import Factorised, factorised
 from contin.problems.orbits.marched_in_python import MarchedInPython
@@ -72,13 +71,6 @@ class SamePeriodProblem(OfOnePeriod, MarchedInPython):
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
         equations, jacobian = self.curve.linearise(z, scale)
         return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
-
-    def march(
-        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
-        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
-    ) -> Chunk:  # fmt: skip
-        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
-        return cut_at_birth(self, chunk, frame, settings)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

@@ -12,12 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample
-from contin.continuation.settings import Settings
 from contin.loci.shooting.curve import CurveByShooting, Equations
 from contin.loci.shooting.expansion import Expansion
 from contin.loci.shooting.shot_curves import OfShotOrbits
-from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.orbits.two_parameters import OfOnePeriod
 from contin.problems.shooting.shot_orbits import ShootingProblem
 
@@ -59,10 +56,3 @@ class ShotPeriodProblem(OfOnePeriod, OfShotOrbits):
     """See `ShotPeriodCurve`."""
 
     curve: ShotPeriodCurve
-
-    def march(
-        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
-        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
-    ) -> Chunk:  # fmt: skip
-        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
-        return cut_at_birth(self, chunk, frame, settings)

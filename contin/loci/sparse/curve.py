@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from contin.linalg.pencil import OnRange, inverse_of
 from contin.linalg.vectors import norm
 from contin.loci.sparse.singular import Folds, Hopf, Singularity
 from contin.machine import elementary
+from contin.problems.gauged import Gauged
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.problems.sparse.large_linearisation import Workspace
 
@@ -55,7 +56,7 @@ class Memory:
 
 
 @dataclass(frozen=True, eq=False)
-class LargeCurve:
+class LargeCurve(Gauged):
     """The curve's type (LP or HB), the large system, and which two of its parameters vary."""
 
     type: str
@@ -179,10 +180,6 @@ class LargeCurve:
         return 1.0 / growth
 
     # borders ----------------------------------------------------------------------------------------------------------
-
-    def gauged(self, gauge: Any) -> Self:
-        """The same curve with what was chosen for a stretch of it, if anything was."""
-        return self if gauge is None else replace(self, gauge=gauge)
 
     def started(self, z: Array, q: Vector) -> Self:
         """Borders from a critical eigenvector q; at a BT, from q0 + i q1 with A q0 = 0, A q1 = q0."""

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.problems.algebraic_states import finite_multipliers
+from contin.problems.gauged import Gauged
 from contin.problems.orbits import hopf_end
 from contin.problems.orbits.measured.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.mesh.layout import Profile
@@ -27,21 +28,11 @@ if TYPE_CHECKING:
 ALIKE = 1e-7  # relative distance of parameters below which two points are one
 
 
-class CurveOfOrbits:
+class CurveOfOrbits(Gauged):
     """The equations of a curve; `orbits` gives those of the orbits, with the first parameter free."""
 
     orbits: FamilyOfOrbits  # an `OrbitProblem` or a `ShootingProblem`
     second: int
-    gauge: Any  # what is chosen for a stretch of the curve, see `contin.continuation.problem.Frame`
-
-    @property
-    def is_settled(self) -> bool:
-        """True where it has all that is to be chosen."""
-        return self.gauge is not None
-
-    def gauged(self, gauge: Any) -> Self:
-        """The same curve with what was chosen for a stretch of it, if anything was."""
-        return self if gauge is None else replace(self, gauge=gauge)  # type: ignore[type-var]
 
     @property
     def system(self) -> CompiledSystem:
@@ -183,6 +174,15 @@ class OfPeriodicOrbits(OrbitCurveProblem):
 
 class OfOnePeriod(OfPeriodicOrbits):
     """Orbits of one period, of autonomous systems; no special points are looked for."""
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = super().march(  # type: ignore[safe-super]
+            origin, before, length, frame, step, limit, bounds, settings, loop
+        )
+        return hopf_end.cut_at_birth(self, chunk, frame, settings)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """No tests; the number of unstable multipliers, and all of them."""
