@@ -14,11 +14,11 @@ from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.augmented import events
 from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.loci.tolerances import ALIKE
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 
-ALIKE: Final = 1e-7  # relative distance of parameters below which two points are one
 ORDER: Final = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
 
 

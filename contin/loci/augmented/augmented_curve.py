@@ -20,8 +20,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.augmented import events
 from contin.loci.augmented.curve_equations import ROUNDS, TURNS, Bounds, CurveEquations
-
-TOLERANCE = 1e-11
+from contin.loci.tolerances import ONE_FIXED
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +37,7 @@ class AugmentedCurve(CurveEquations):
         z0 = guess.copy()
         z0[index] = value
         near = self.near(z0, scale)
-        return None if near is None else python_march.with_one_fixed(near, index, guess, value, scale, TOLERANCE)
+        return None if near is None else python_march.with_one_fixed(near, index, guess, value, scale, ONE_FIXED)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return self.at_unknown(-1, guess, value, scale)

@@ -15,6 +15,7 @@ from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.dense import DenseBordered, dense_bordered
 from contin.loci.augmented.elimination import Scalars
+from contin.loci.tolerances import REAL
 from contin.machine import elementary
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM
@@ -27,7 +28,6 @@ from contin.problems.state_columns import state_columns
 FIRST = 2  # place of the first test among those of a sample
 FLOW, MAP = ("LP", "HB"), ("LP", "NS", "PD")
 MOVED = {"LP": 1, "PD": 1, "HB": 2, "NS": 2}  # eigenvalues that change sides
-REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Outcome, Sample, Verified, unverified
 from contin.linalg.newton import Rules, by_steps
 from contin.loci.augmented.elimination import Augmented, Scalars
+from contin.loci.tolerances import ILL_CONDITIONED, RESIDUAL_LIMIT
 
 if TYPE_CHECKING:
     from contin.loci.augmented.curve_equations import CurveEquations, Near
@@ -20,8 +21,6 @@ NEWTON: Final = Rules(settled=1e-14, stalled=1e-7, far=1.0, budget=20)
 SAMPLES: Final = 6
 PERTURBATION: Final = 1e-10
 SAFETY: Final = 4.0
-RESIDUAL_LIMIT: Final = 1e-7
-ILL_CONDITIONED: Final = 1e-4  # an estimated error (scaled) above this locates nothing
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed
 from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
+from contin.loci.tolerances import REAL
 from contin.problems.conditioned.under_conditions import product_of
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.linearised.linear import OrbitLinear
@@ -34,7 +35,6 @@ FIRST: Final = 2  # place of the first test among those of a sample
 CRITICAL: Final = {"LPC": [1.0 + 0.0j], "BPC": [1.0 + 0.0j], "PD": [-1.0 + 0.0j]}
 TYPES: Final = {"LPC": ("R1", "LPPD", "LPNS"), "PD": ("LPPD", "R2", "PDNS"), "BPC": ()}  # by tests: at 1, at -1, a pair
 MOVED: Final = (1, 1, 2)
-REAL: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

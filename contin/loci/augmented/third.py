@@ -23,6 +23,7 @@ from contin.loci.codim2.forms import jet_at
 from contin.loci.codim2.functions import critical_indices
 from contin.loci.codim2.matrices import eigenvalues, own_critical, scaled_matrix
 from contin.loci.codim2.monitors import pair_test, real_test
+from contin.loci.tolerances import REAL
 from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.point import normal_form
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from contin.loci.equilibria.equilibrium_locus import LocusProblem
 
 FIRST: Final = 2  # place of the first test among those of a sample
-REAL: Final = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 COUNTS: Final = {"FZ": 1, "TZ": 1, "BT": 1, "FH": 2}  # eigenvalues that change sides
 TYPES: Final = {  # of curve -> what is looked for, in the order of its tests
     "CP": ("SW", "BT", "FH"), "BT": ("DBT", "DBT", "TZ", "FH"), "GH": ("DGH", "FZ", "FH"), "ZH": ("FZ", "FH"),

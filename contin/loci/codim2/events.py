@@ -20,8 +20,9 @@ from contin.loci.codim2.fold_ends import at_fold
 from contin.loci.codim2.forms import described
 from contin.loci.codim2.functions import critical_indices, function_of, rounding_of
 from contin.loci.codim2.matrices import eigenvalues, null_pair, scaled_matrix
-from contin.loci.codim2.solving import DIFFERENCE, ILL_CONDITIONED, RESIDUAL_LIMIT, Solution, solve
+from contin.loci.codim2.solving import DIFFERENCE, RESIDUAL_LIMIT, Solution, solve
 from contin.loci.codim2.triple_zero import triple_zero
+from contin.loci.tolerances import ILL_CONDITIONED
 from contin.special.table import signs_of_points, tests_of_points
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ ACCURATE = 1e-11  # an estimated error above this is more than that of a regular
 WITH_POLES = ("GH", "CH", "GPD")  # coefficients, which have poles where a further eigenvalue is critical
 CROSSINGS = (("ZH", "HB"), ("LPPD", "PD"), ("LPNS", "NS"))  # where curves of one type cross, if nothing unfolds them
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
-FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
 JUMPING = 1e-6  # scaled distance of two points between which a test jumps, or passes through zero more steeply than any
 JORDAN = 1e-3  # |<psi, v>| of unit null vectors at such points, below which they are nearly orthogonal
 DOUBLE = 1e-6  # w . v of unit null vectors below this: a Jordan block

@@ -14,7 +14,8 @@ from contin.loci.codim2.degenerate import APART
 from contin.loci.codim2.forms import branching_form
 from contin.loci.codim2.functions import function_of
 from contin.loci.codim2.matrices import eigenvalues, own_critical
-from contin.loci.codim2.solving import ILL_CONDITIONED, RESIDUAL_LIMIT, solve
+from contin.loci.codim2.solving import RESIDUAL_LIMIT, solve
+from contin.loci.tolerances import ILL_CONDITIONED
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
 NEARLY = 0.05  # the same where the cusp was not solved to full accuracy, as near a pitchfork's DP
 BESIDE = 0.1  # the same where that was not solved to full accuracy
-ASIDE = 0.02  # scaled distance along the branch points at which their kind is decided
 UNFORCED = 1e-8  # an unfolding parameter above this is not zero
+ASIDE = 0.02  # scaled distance along the branch points at which their kind is decided
 
 
 def at_fold(problem: CurveOfPoints, z: Array, exact: bool, frame: Frame) -> Verified | None:

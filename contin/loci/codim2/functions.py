@@ -26,6 +26,7 @@ from contin.loci.codim2.matrices import (
     scaled_matrix,
 )
 from contin.loci.codim2.uncomputed_tests import untold
+from contin.loci.tolerances import REAL
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf
 from contin.normalforms.maps import neimark_sacker
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from contin.normalforms.jet import Jet
 
 Function = Callable[[Array], float]
-REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
 def function_of(problem: CurveOfPoints, type_: str, near: Sample) -> Function | Rejected:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
 
 RESIDUAL_LIMIT = 1e-8
-ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 SAFETY = 4.0  # times the largest of a few samples of an error
 POLE = 0.1  # part of its values next to a point up to which a function has a zero there, and not a pole
 FREE = 1e-12  # relative: singular values up to which a direction costs nothing

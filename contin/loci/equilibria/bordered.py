@@ -20,14 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.loci.tolerances import FORCED
 from contin.machine import elementary
 from contin.problems.equilibria.defining import _bordered as solve
 from contin.problems.gauged import Gauged
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
-
-FORCED = 1e-9  # of the largest rate: an unfolding parameter below this is zero
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from contin.loci.curve_of_points import LONGEST, CurveOfPoints, scalar_columns
 from contin.loci.equilibria import timeless
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.march import march, probe
+from contin.loci.tolerances import FORCED_AT_POINTS
 from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
 from contin.problems.state_columns import state_columns
@@ -257,7 +258,7 @@ class LocusProblem(CurveOfPoints):
     def _is_unfolded(self, z: Array) -> bool:
         d = self.curve.sizes
         rate = float(np.linalg.norm(self.curve.matrix(z[0]) * d / d[:, None]))
-        return bool(np.any(np.abs(z[:, -3]) > events.FORCED * rate))
+        return bool(np.any(np.abs(z[:, -3]) > FORCED_AT_POINTS * rate))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What holds all along the curve, and which tests failed on it."""

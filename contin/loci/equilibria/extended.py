@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from contin.abi import Array
+from contin.loci.tolerances import FORCED
 from contin.lowering import compile_system
 from contin.machine import elementary
 from contin.problems.gauged import Gauged
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 PLANE = 0.3  # sine of the angle below which the border says too little about the second vector of the critical plane
 VECTOR = 2.0  # how much a turn of a null vector counts in the metric: 1 / VECTOR of its angle
 ORTHOGONAL = 1e-7
-FORCED = 1e-9  # of the largest rate: an unfolding below this is zero
 
 _systems: WeakKeyDictionary[Any, dict[tuple[str, ...], Any]] = WeakKeyDictionary()
 

@@ -22,6 +22,7 @@ from contin.linalg.vectors import norm
 from contin.loci.sparse import forms
 from contin.loci.sparse.curve import LargeCurve
 from contin.loci.sparse.singular import Folds
+from contin.loci.tolerances import REAL, RESIDUAL_LIMIT
 from contin.machine import elementary
 from contin.problems.sparse import forms as simple
 from contin.problems.sparse.special_points import At, refine, secant
@@ -31,9 +32,7 @@ from contin.special.table import signs_of_points
 if TYPE_CHECKING:
     from contin.loci.sparse.on_large_curve import OnLargeCurve
 
-RESIDUAL_LIMIT = 1e-7
 ROUNDED = 1e-9
-REAL = 1e-9  # relative size of an imaginary part that counts
 
 
 def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
