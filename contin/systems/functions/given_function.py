@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -109,10 +109,7 @@ class GivenFunction:
             raise InputError(f"states names {len(states)} states; u0 has {self.n}")
         default = tuple(f"u{k}" for k in range(self.n)) if self.n <= NAMED else ()
         self.state_names = tuple(states) if states is not None else default
-        check_names(parameters=self.parameter_names, states=self.state_names)
-        for given, what in ((name, "name"), (title, "title"), *((key, "symmetries") for key in symmetries or {})):
-            if given is not None:
-                check_name(what, given, column=False)
+        self._check_names(name, title, symmetries or {})
         self.parameter_jacobian, self.derivative, self.record = parameter_jacobian, derivative, record
         self.ranges = dict(ranges or {})
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
@@ -128,6 +125,12 @@ class GivenFunction:
         self._periods = self._periods_of(periods or {})
         if mass is not None:
             self._weigh(Mass.of(mass, self.n))
+
+    def _check_names(self, name: str, title: str | None, symmetries: Iterable[str]) -> None:
+        check_names(parameters=self.parameter_names, states=self.state_names)
+        for given, what in ((name, "name"), (title, "title"), *((key, "symmetries") for key in symmetries)):
+            if given is not None:
+                check_name(what, given, column=False)
 
     def _periods_of(self, periods: Values) -> Array:
         """Periods (n,) of states, 0 of those that are no angles."""
