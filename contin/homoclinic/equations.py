@@ -23,7 +23,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.homoclinic.connection_layout import ConnectionLayout, Gauge
-from contin.homoclinic.projections import linearised_projections, projections
+from contin.homoclinic.projections import linearised_projections
 from contin.homoclinic.subspaces import left_subspace
 from contin.kernels.collocation_basis import basis
 from contin.linalg.csc import with_columns, with_rows
@@ -84,15 +84,6 @@ class ConnectionCurve(ConnectionLayout):
             beside, below = beside[:, [k - nu for k in kept if k >= nu]], below[:, kept]
         jacobian = with_rows(with_columns(top, beside), below)
         return np.concatenate([self._defect(profile, f, sizes), rest]), jacobian
-
-    def residual(self, z: Array, scale: Array, sizes: Array) -> Array:
-        """The equations alone, scaled as by `linearise`."""
-        profile, units = self.profile(z), self._units(z, scale)
-        f = self.orbits.system.values(*self._gauss_states(profile, z))
-        values = [self._defect(profile, f, sizes), *(self._at_saddles(z, units)[0]), projections(self, z, sizes)]
-        if self.reversor is None:
-            values.append(self._in_phase(z, sizes, units)[0])
-        return np.concatenate(values)
 
     def _units(self, z: Array, scale: Array) -> Array:
         """The metric of (u, saddles, q, p)."""

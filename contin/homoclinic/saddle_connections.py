@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation import march as python_march
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Outcome, Problem, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
@@ -89,19 +88,6 @@ class ConnectionProblem(CurveOfConnections):
         if found is None:
             return None
         return LinearisedConnection(found.equations, found.factors, found.where, found.size, self, jacobian, sizes)
-
-    def again_in(self, scale: Array) -> python_march.Again:
-        def again(here: python_march.Linearisation, z: Array) -> Factorised | None:
-            assert isinstance(here, Factorised)
-            if surface_met(self.curve, z) is not None:
-                return None
-            try:
-                equations = self.curve.residual(z, scale, self.sizes(z, scale))
-            except (np.linalg.LinAlgError, ValueError):  # a new matrix is tried, and says what is wrong
-                return None
-            return replace(here, equations=equations) if np.all(np.isfinite(equations)) else None
-
-        return again
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Without the tests that need the adjoint solution, which a linearisation has."""

@@ -46,10 +46,6 @@ class MarchedInPython(OrbitCurveProblem):
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Tests from index 2 on, the number of unstable eigenvalues or multipliers, and all of these."""
 
-    def again_in(self, scale: Array) -> python_march.Again | None:
-        """How the factors of one point serve at another, see `contin.continuation.march.correct`; None: not at all."""
-        return None
-
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent: the null vector of its equations."""
         border = np.zeros(z.size)
@@ -68,7 +64,7 @@ class MarchedInPython(OrbitCurveProblem):
         walled = self if in_two_parameters(self) else replace(self, first_bounds=bounds)  # then there is no `within`
         own = self.with_gauge(frame.gauge).settled(origin.z, frame.scale)
         chunk = python_march.march(
-            own, origin, before, length, frame, step, limit, bounds, settings, None, own.again_in(frame.scale), walled
+            own, origin, before, length, frame, step, limit, bounds, settings, None, walled=walled
         )
         return replace(chunk, gauge=own.curve.gauge)
 
