@@ -324,8 +324,8 @@ class FunctionSystem:
         """F where the user's function gives real numbers of the right shape; None else."""
         try:
             value = np.asarray(self.model.residual(u, self._named(p)))
-        except Exception:  # noqa: BLE001 - said in words by `value`
-            return None
+        except Exception:  # noqa: BLE001
+            return None  # `values` asks `value` then, which says it in words
         return value if value.shape == (self.n,) and value.dtype.kind in "biuf" else None
 
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
