@@ -19,7 +19,7 @@ from contin.abi import Array, Vector
 from contin.kernels.collocation import LANES, evaluate, forcing_period, new_points, residual, set_phase
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.linearised.bordered import Bordered, crossing
-from contin.problems.orbits.linearised.pattern import blocks, matrix_places
+from contin.problems.orbits.linearised.pattern import block_places, matrix_places
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
@@ -196,18 +196,26 @@ class OrbitLinear:
         column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
         return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
 
-    def _assemble_second(self, local: Vector, column_t: Any, column_p: Any, height: int) -> csc_matrix:
+    def _assemble_second(self, local: Vector, column_t: Vector, column_p: Vector, height: int) -> csc_matrix:
+        """The blocks with two columns beside them, scaled, and no entries below."""
         from scipy import sparse
 
-        nu, collocation = self.nu, self.nu - self.profile.n
-        rows, columns = blocks(self.profile.n, self.profile.m, self.profile.intervals)
-        everywhere = np.arange(collocation)
-        values = [local.ravel(), np.asarray(column_t).ravel(), np.asarray(column_p).ravel()]
-        row_index = np.concatenate([rows, everywhere, everywhere])
-        column_index = np.concatenate([columns, np.full(collocation, nu), np.full(collocation, nu + 1)])
-        matrix = sparse.coo_matrix((np.concatenate(values), (row_index, column_index)), shape=(height, nu + 2))
-        row_units = np.tile(1.0 / self.sizes, height // self.profile.n + 1)[:height]
-        return (sparse.diags(row_units) @ matrix.tocsr() @ sparse.diags(self.units)).tocsr()
+        n, m, count = self.profile.n, self.profile.m, self.profile.intervals
+        places = block_places(n, m, count)
+        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
+        scaled = local / self.sizes[:, None, None]
+        scaled *= self.units[: self.nu].reshape(-1, n)[nodes][:, None, None]
+        beside = [
+            (c / self.sizes).ravel() * unit for c, unit in zip((column_t, column_p), self.units[-2:], strict=True)
+        ]
+        long, filled = len(beside[0]), int(places.starts[-1])
+        everywhere = np.arange(long, dtype=places.indices.dtype)
+        inside = (
+            np.concatenate([scaled.ravel()[places.order], *beside]),
+            np.concatenate([places.indices, everywhere, everywhere]),
+            np.append(places.starts, [filled + long, filled + 2 * long]).astype(places.starts.dtype),
+        )
+        return sparse.csc_matrix(inside, shape=(height, self.nu + 2))
 
     def _first_derivatives(self) -> Array:
         """f_z at the Gauss points, (N, m, n, n + p_size); only the columns of u, the active parameter and t."""
