@@ -336,3 +336,36 @@ def test_an_unstable_pair_behind_many_slow_states_is_found_and_what_is_not_known
     slow = contin.continuation(fast, "mu", (-0.5, 0.5))
     assert [p.type for p in slow.points] == ["HB"]  # of frequency 0.9, behind eight real ones
     assert slow["HB1"].normal_form["omega"] == pytest.approx(0.9, abs=1e-9)
+
+
+@pytest.mark.parametrize("changed", [with_algebraic, incompressible], ids=["index 1", "index 2"])
+def test_a_generalised_hopf_point_has_the_second_coefficient_of_the_reduced_flow(changed):
+    """z' = (mu + i) z + z (b |z|^2 - |z|^4), with |q| = 1 over x and y: l1 = 2 b, l2 = -4."""
+
+    def residual(u, p):
+        x, y = u
+        pull = p["b"] * (x * x + y * y) - (x * x + y * y) ** 2
+        return np.array([p["mu"] * x - y + x * pull, x + p["mu"] * y + y * pull])
+
+    def jacobian(u, p):
+        return np.column_stack([np.imag(residual(u + 1e-30j * e, p)) / 1e-30 for e in np.eye(2)])
+
+    flow = contin.FunctionProblem(residual, np.zeros(2), {"mu": -0.1, "b": 1.0}, jacobian)
+    line = contin.continuation(changed(flow), "mu", (-1, 1))
+    assert line["HB1"].normal_form["l1"] == pytest.approx(2.0, abs=1e-7)
+    curve = contin.continuation(line["HB1"].locus(["mu", "b"]), ["mu", "b"], {"mu": (-1, 1), "b": (-1, 1.5)})
+    assert [p.type for p in curve.points] == ["GH"]
+    assert curve["GH1"].values["b"] == pytest.approx(0.0, abs=1e-9)
+    assert curve["GH1"].normal_form["l2"] == pytest.approx(-4.0, abs=1e-7)
+
+
+def test_heat_in_finite_elements_decays_at_the_rates_of_the_pencil():
+    n, modes = 60, (1, 3)
+    model = bratu_by(True, n)
+    h, x = 1.0 / (n + 1), np.arange(1, n + 1) / (n + 1)
+    start = sum(np.sin(k * np.pi * x) for k in modes)
+    run = contin.simulate(model, start, {"p": 0.0}, time=0.2, method="Radau", samples=9, rtol=1e-9)
+    cosines = np.cos(np.pi * h * np.array(modes))
+    rates = -6.0 * (1.0 - cosines) / (h * h * (2.0 + cosines))
+    exact = sum(np.exp(rate * run.t)[:, None] * np.sin(k * np.pi * x) for k, rate in zip(modes, rates, strict=True))
+    np.testing.assert_allclose(run.states, exact, atol=1e-7)
