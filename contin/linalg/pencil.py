@@ -18,6 +18,7 @@ from contin.linalg.eigen import Inverse, Spectrum
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
 
+NEARER: Final = 0.03  # part of an eigenvalue's modulus below which another one is much nearer to zero
 GENUINE: Final = 1e-3  # relative residual of an eigenpair beyond which it is rounding of an infinite eigenvalue
 
 
@@ -40,17 +41,33 @@ class OnRange:
         return np.asarray(np.divide(size, weights, out=np.zeros_like(size), where=weights > 0.0))
 
     def back(self, found: Spectrum) -> Spectrum:
-        """The eigenpairs with vectors v = A^-1 w, without those that are none: rounding errors of zeros of M A^-1."""
-        kept, vectors = [], []
+        """The eigenpairs with vectors v = A^-1 w, without those that are none: rounding errors of zeros of M A^-1.
+
+        Next to a singular A every v has a part along the vector of the eigenvalue that is nearly zero, as large as the
+        errors of w divided by that eigenvalue; it is taken out.
+        """
+        kept: list[int] = []
+        pairs: list[tuple[float, Vector, Vector]] = []  # |l|, v, M v with |M v| = 1
         for k, value in enumerate(found.values):
             w = found.vectors[:, k]
             v = self.linear.solve(w.real) + (1j * self.linear.solve(w.imag) if value.imag != 0.0 else 0.0)
-            moved = self.linear.weigh(v)
-            if 0.0 < norm(moved) < np.inf and norm(moved - w / value) <= GENUINE * norm(moved):
-                kept.append(k)
-                vectors.append(v / norm(v))
-        columns = np.array(vectors, dtype=complex).reshape(len(kept), len(found.vectors)).T
+            moved, wanted = self.linear.weigh(v), w / value
+            if not _agree(moved, wanted):
+                for size, other, weighed in pairs:
+                    if size < NEARER * abs(value):
+                        part = np.vdot(weighed, moved)
+                        v, moved = v - part * other, moved - part * weighed
+                        wanted = wanted - np.vdot(weighed, wanted) * weighed
+                if not _agree(moved, wanted):
+                    continue
+            kept.append(k)
+            pairs.append((abs(value), v / norm(moved), moved / norm(moved)))
+        columns = np.array([v / norm(v) for _, v, _ in pairs], dtype=complex).reshape(len(kept), len(found.vectors)).T
         return replace(found, values=found.values[kept], vectors=columns)
+
+
+def _agree(moved: Vector, wanted: Vector) -> bool:
+    return bool(0.0 < norm(moved) < np.inf and norm(moved - wanted) <= GENUINE * norm(moved))
 
 
 def inverse_of(linear: Linear) -> Inverse:

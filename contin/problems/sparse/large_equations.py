@@ -138,6 +138,8 @@ class LargeEquations(InOneParameterProblem):
         if linear.matrix is not None:
             right, up = self._region(linear)
             radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
+        if linear.mass is not None and work.vectors is not None and _is_another_points(linear):
+            radius = 0.0  # unstable ones grow out of those that were near the axis at an earlier point
         inverse = inverse_of(linear)
         fewest = UNBOUNDED if linear.mass is not None and not self._bounded(linear) else FEWEST
         found = leading(inverse, n, linear.weigh(start), radius, work.reach, fewest)
@@ -189,8 +191,9 @@ class LargeEquations(InOneParameterProblem):
     def _old_inverse(self, linear: Linear) -> tuple[Callable[[Array], Array], float] | None:
         """About A^-1 times columns, from factors or a preconditioner of an earlier point, and what part of an error it
         leaves; None where there is none."""
-        if not isinstance(linear, KrylovLinear) or linear.fresh or linear.mass is not None:
+        if not _is_another_points(linear) or linear.mass is not None:
             return None
+        assert isinstance(linear, KrylovLinear)
         if linear.precise is not None:
             return linear.precise.solve, OLD
         rate = self.source.rate()
@@ -209,6 +212,11 @@ class LargeEquations(InOneParameterProblem):
         values = judged[1]
         tests, unstable = stability_tests(values)
         return tests, unstable, values
+
+
+def _is_another_points(linear: Linear) -> bool:
+    """Whether it is solved with factors, or a preconditioner, of an earlier point: every solve is dear."""
+    return isinstance(linear, KrylovLinear) and not linear.fresh
 
 
 def _telling(found: Spectrum, reach: float) -> Spectrum:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from contin.problems.sparse.large_equations import LargeEquations
 
 SECANT_BUDGET = 10
+RESOLVED = 1e-9  # distance (scaled) from which two values of a measure tell its slope
 TRIAL = 1e-4  # first step of the secant method (scaled arclength)
 PERTURBATION = 1e-9
 NOISE = 1e-7  # of a correction that rounding may be, on long connecting orbits
@@ -148,7 +149,8 @@ def secant(problem: CorrectedEquations, base: Sample, frame: Frame, measure: Mea
     for _ in range(SECANT_BUDGET):
         if v1 == v0:
             break
-        slope = (v1 - v0) / (s1 - s0)
+        if slope == 0.0 or abs(s1 - s0) > RESOLVED:  # between nearer points the quotient is one of roundings
+            slope = (v1 - v0) / (s1 - s0)
         step = -v1 / slope
         if not np.isfinite(step) or abs(step) > 0.3 or (abs(step) >= 0.5 * last and last < 1e-6):
             break
