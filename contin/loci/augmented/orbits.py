@@ -20,6 +20,7 @@ from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed
 from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 from contin.loci.tolerances import REAL
+from contin.loci.without_coefficients import with_remark
 from contin.problems.conditioned.under_conditions import product_of
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.linearised.linear import OrbitLinear
@@ -183,7 +184,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
     def described(self, type_: str, point: Verified, scale: Array) -> Outcome:
         others = self._others(point.z, point.eigenvalues)
         away = np.abs(np.abs(others) - 1.0) > 1e-6
-        return replace(point, unstable=int(np.sum(np.abs(others[away]) > 1.0)))
+        return with_remark(replace(point, unstable=int(np.sum(np.abs(others[away]) > 1.0))), "cycles")
 
     # -- columns -------------------------------------------------------------------------------------------------------
 

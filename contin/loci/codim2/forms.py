@@ -11,6 +11,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
+from contin.loci.without_coefficients import with_remark
 from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
@@ -55,7 +56,7 @@ def described(
     active = (problem.curve.first,) if point.type == "DP" else ()
     vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {})
     if not table()[point.type].normal_form and point.type != "DP":
-        return replace(point, vectors=vectors)
+        return with_remark(replace(point, vectors=vectors), "fixed points of maps")
     try:
         if point.type == "DP":
             form = branching_form(problem, point.z)

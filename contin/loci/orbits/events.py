@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
 from contin.loci.orbits import criticality
+from contin.loci.without_coefficients import with_remark
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import tests_of_orbits
 
@@ -78,7 +79,7 @@ def verify(problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame
         return unverified(type_, "it is not there on a mesh of half the lengths")
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     error += ALONG * problem.error_of_equations(found.z, frame.scale)
-    return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
+    return with_remark(Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable), "cycles")
 
 
 def _discretisation(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> float | None:

@@ -66,6 +66,8 @@ def assert_only(branch, wanted: dict[str, tuple[float, ...]], name: str) -> None
     assert set(found) == set(wanted)
     for type_, values in wanted.items():
         assert sorted(found[type_]) == pytest.approx(sorted(values), abs=1e-7)
+    for p in branch.points:  # an empty normal form has a note
+        assert p.normal_form or any(note.startswith(f"{p.type}: ") for note in branch.notes)
 
 
 @METHODS
