@@ -37,6 +37,7 @@ def test_folds_and_period_doublings_lie_on_parabolas_and_meet_where_both_multipl
     al, be = doublings.columns["al"], doublings.columns["be"]
     np.testing.assert_allclose(al, 3 * (1 + be) ** 2 / 4, atol=1e-10)
     assert places(folds) == [("LPPD", 0, -1), ("R1", -1, 1)]
+    assert any(note.startswith("LPPD: the coefficients") for note in folds.notes)
     assert places(doublings) == [("LPPD", 0, -1), ("R2", 3, 1)]  # no GPD: the cubic coefficient has only poles
 
 
