@@ -34,6 +34,9 @@ class SpecialType:
     fixed points that pass through it (of orbits: with LPC for LP).  continues : kinds of branch of which another one
     starts there.
     cycle : the code of the same point of a cycle.
+    powers : of a point of cycles: by what power of the eigenvector's length each coefficient of the return map grows.
+    ratios : of others, which do not depend on that length: the coefficient that they are divided by.
+    rate : of coefficients that are stated per unit of time: the sign that those of the return map have beside them.
     branch, points, orbits, connections : where its test function stands among those of a sample: of a branch in one
     parameter; by type of curve of equilibria, and of cycles; on curves of connecting orbits.
     cosine : of the critical angle of a resonance.  flows, maps : which of both have it.
@@ -61,6 +64,9 @@ class SpecialType:
     curves: tuple[str, ...] = ()
     continues: tuple[str, ...] = ()
     cycle: str = ""
+    powers: Mapping[str, int] = field(default_factory=dict)
+    ratios: Mapping[str, str] = field(default_factory=dict)
+    rate: float = 0.0
     branch: int | None = None
     points: Mapping[str, Sign] = field(default_factory=dict)
     orbits: Mapping[str, int] = field(default_factory=dict)

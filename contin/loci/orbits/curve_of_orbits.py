@@ -41,6 +41,13 @@ class CurveOfSpecialOrbits(OfPeriodicOrbits):
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         """This curve with half the discretisation's lengths, a sample of it and the metric; None without a mesh."""
 
+    def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
+        """The point with the coefficients of its normal form, where they are computed.
+
+        finer, there, metric : as of `refined`, the sample located anew.
+        """
+        return point
+
     @abstractmethod
     def error_of_equations(self, z: Array, scale: Array) -> float:
         """What approximate equations (averages by quadrature) leave of the first parameter; 0 of exact ones."""

@@ -16,13 +16,16 @@ from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verifie
 from contin.loci.orbits import criticality
 from contin.loci.without_coefficients import with_remark
 from contin.problems.orbits.zero_of_test import zero_of_test
-from contin.special.table import tests_of_orbits
+from contin.special.table import special_type, tests_of_orbits
 
 if TYPE_CHECKING:
     from contin.loci.orbits.curve_of_orbits import CurveOfSpecialOrbits
 
+    Refined = tuple[CurveOfSpecialOrbits, Sample, Frame]
+
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
+SOME: Final = "cycles by shooting, with algebraic states, or on curves of BPC"
 ALONG: Final = 10.0  # a point on a curve moves along it, too, when the equations change: no more than that is presumed
 
 
@@ -74,21 +77,24 @@ def verify(problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame
         resolved = zero.value <= RESIDUAL_LIMIT
     if not resolved:
         return unverified(type_, f"its test function jumps across zero (residual {zero.value:.1e})")
-    moved = _discretisation(problem, found, frame, index)
-    if moved is None:
+    finer = _on_finer_mesh(problem, found, frame, index)
+    if finer is None:
         return unverified(type_, "it is not there on a mesh of half the lengths")
+    moved = float(np.abs(finer[1].z[[-1, -2]] - found.z[[-1, -2]]).max())
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     error += ALONG * problem.error_of_equations(found.z, frame.scale)
-    return with_remark(Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable), "cycles")
+    point = Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
+    where = SOME if special_type(type_).powers else "cycles"
+    return with_remark(problem.with_coefficients(point, frame, *finer), where)
 
 
-def _discretisation(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> float | None:
-    """How far the point moves, in either parameter, on a mesh of half the lengths; None where it is not found there."""
+def _on_finer_mesh(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> Refined | None:
+    """The point on a mesh of half the lengths (itself without a mesh); None where it is not found there."""
     refined = problem.refined(found, frame)
     if refined is None:
-        return 0.0
+        return problem, found, frame
     again = zero_of_test(refined[0], refined[1], refined[2], index)
-    return None if again is None else float(np.abs(again.sample.z[[-1, -2]] - found.z[[-1, -2]]).max())
+    return None if again is None else (refined[0], again.sample, refined[2])
 
 
 def _complex_pair(problem: CurveOfSpecialOrbits, sample: Sample) -> bool:

@@ -13,7 +13,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
 from contin.continuation.march import until_dip
-from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample
+from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.orbits import criticality
@@ -21,6 +21,8 @@ from contin.loci.orbits.renewal import on_finer_mesh, renew
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
 from contin.machine import elementary
 from contin.problems.orbits.hopf_end import cut_at_birth
+from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.normal_forms.codimension_two import has_coefficients, with_coefficients
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
 
@@ -28,6 +30,7 @@ PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
 FIRST_TEST = 2  # of other multipliers, after those of folds and branch points
 LEAST = 10  # ... but not before so many steps
+ANGLES = {"CPC": 0.0, "R1": 0.0, "GPD": np.pi, "R2": np.pi, "R3": 2.0 * np.pi / 3.0, "R4": 0.5 * np.pi}
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +118,18 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return on_finer_mesh(self, sample, frame)
+
+    def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
+        """By the return map; of types that have their coefficients from it, on curves of LPC, PD and NS."""
+        if self.locus == "BPC" or not has_coefficients(point.type, self.system):
+            return point
+        theta = self.curve.theta(point.z) if point.type == "CH" else ANGLES[point.type]
+        return with_coefficients(point, theta, self._linear(point.z, frame), finer._linear(there.z, metric))
+
+    def _linear(self, z: Array, frame: Frame) -> OrbitLinear:
+        """The equations of the orbit alone."""
+        curve = self.curve
+        return OrbitLinear(curve.at(z), curve.orbit(z), curve.orbit(frame.scale), curve.orbit(z))
 
     def error_of_equations(self, z: Array, scale: Array) -> float:
         curve = self.curve

@@ -11,5 +11,6 @@ TYPE = SpecialType(
     normal_form="contin.normalforms.map_resonances:chenciner", needs=("frequency",), order=5,
     curves=("NS",),
     points={"NS": Sign(6, 0)}, orbits={"NS": 9}, flows=False, maps=True,
+    powers={"l2": 4}, rate=1.0,
     marker="P", symbol="plus",
 )  # fmt: skip

@@ -8,5 +8,7 @@ TYPE = SpecialType(
     condition="LPC whose quadratic coefficient b vanishes",
     source=CYCLES_TWO,
     orbits={"LPC": 5},
+    normal_form="contin.normalforms.fold:cusp", order=3,
+    powers={"c": 2}, rate=1.0,
     marker="v", symbol="triangle-down",
 )  # fmt: skip

@@ -12,5 +12,6 @@ TYPE = SpecialType(
     births=("GPD_to_folds_of_doubled",),
     curves=("PD",),
     points={"PD": Sign(2, 0)}, orbits={"PD": 5}, flows=False, maps=True,
+    powers={"e": 4}, rate=-1.0,
     marker="H", symbol="hexagon",
 )  # fmt: skip

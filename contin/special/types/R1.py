@@ -12,5 +12,6 @@ TYPE = SpecialType(
     curves=("LP", "NS"),
     points={"LP": Sign(3, 1), "BP": Sign(3, 1), "NS": Sign(2, 0)}, orbits={"LPC": 4, "BPC": 4, "NS": 5}, cosine=1.0,
     flows=False, maps=True,
+    powers={"a": 1, "b": 1},
     marker="<", symbol="triangle-left",
 )  # fmt: skip

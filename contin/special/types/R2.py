@@ -11,5 +11,6 @@ TYPE = SpecialType(
     normal_form="contin.normalforms.map_resonances:resonance_1_2", order=3,
     curves=("PD", "NS"),
     points={"PD": Sign(3, 1), "NS": Sign(3, 0)}, orbits={"PD": 3, "NS": 6}, cosine=-1.0, flows=False, maps=True,
+    powers={"C": 2, "D": 2, "C1": 2, "D1": 2},
     marker=">", symbol="triangle-right",
 )  # fmt: skip

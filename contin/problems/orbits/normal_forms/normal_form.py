@@ -191,19 +191,35 @@ def fold(linear: OrbitLinear) -> Coefficient:
     period does not change across the fold, or is forced.
     """
     forms, periodic = Forms(linear), Variation(linear, 1.0)
+    w, p = _across_fold(periodic, forms)
+    if p is not None:
+        return _without_drift(periodic, forms, w, p)
+    v = forms.values(w)
+    return _projected(periodic, v, [0.5 * forms.apply(v, v), forms.first(v)])
+
+
+def eigenfunction(linear: OrbitLinear, rho: complex) -> Vector:
+    """v of the normal forms at the nodes, of the length that the coefficients refer to; rho = 1: that of a fold."""
+    if rho == 1.0:
+        periodic = Variation(linear, 1.0)
+        return _across_fold(periodic, Forms(linear))[0]
+    return _normalised(linear, Variation(linear, rho).null[0])
+
+
+def _across_fold(periodic: Variation, forms: Forms) -> tuple[Vector, Vector | None]:
+    """v at the nodes, and the left null vector p where the phase does not drift: v' = A v."""
+    linear = periodic.linear
     if not linear.problem.autonomous:
-        return _without_drift(periodic, forms, _normalised(linear, periodic.null[0]), periodic.null[1])
-    two = Bordered.of(periodic.matrix, 2)
-    right, _, left = two.solve()
+        return _normalised(linear, periodic.null[0]), periodic.null[1]
+    right, _, left = Bordered.of(periodic.matrix, 2).solve()
     kernel = np.linalg.qr(right)[0]
     if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
-        v = forms.values(periodic.solve(forms.field, singular=True))
-        return _projected(periodic, v, [0.5 * forms.apply(v, v), forms.first(v)])
+        return periodic.solve(forms.field, singular=True), None
     along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
     p = along[1] * left[:, 0] - along[0] * left[:, 1]
     a, b = (periodic.raw(column) for column in kernel.T)
     q = _mean(linear, b, linear.field) * a - _mean(linear, a, linear.field) * b
-    return _without_drift(periodic, forms, _normalised(linear, q), p)
+    return _normalised(linear, q), p
 
 
 def _without_drift(periodic: Variation, forms: Forms, w: Vector, p: Vector) -> Coefficient:
