@@ -135,7 +135,8 @@ def _stated(type_: str, own: Scaled, others: list[Scaled]) -> dict[str, object]:
 
 def _modulus(value: object) -> float:
     """Of a real number, or of a complex one as [re, im]."""
-    return float(np.hypot.reduce(np.abs(np.atleast_1d(np.asarray(value, float)))))
+    x, y = np.append(np.asarray(value, float), 0.0)[:2]
+    return float(elementary.hypot(x, y))
 
 
 def _decided(form: Scaled, errors: Mapping[str, float]) -> list[str]:

@@ -1,7 +1,7 @@
 """A matrix with two eigenvalues near rho, with one eigenvector: the nearest one that has them there exactly.
 
-A point is located to some 1e-8 in the multipliers (their sum moves as the parameter, they as its root). What is left would
-be scaled up with the rows of A - rho that it alone stands in, which is how null vectors are found.
+A point is located to some 1e-8 in the multipliers (their sum moves as the parameter, they as its root). What is left
+would be scaled up with the rows of A - rho that it alone stands in, which is how null vectors are found.
 """
 
 from __future__ import annotations

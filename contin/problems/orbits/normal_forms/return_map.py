@@ -184,7 +184,7 @@ class ReturnMap:
 def without_rounding(matrix: Array) -> Array:
     """Zero for the entries that are rounding errors beside others of their row and of their column.
 
-    What is left of states that do not act on each other (1e-100, say) would be taken for a coupling by what scales rows.
+    What is left of states that do not act on each other (1e-100, say) would pass for a coupling where rows are scaled.
     """
     size = np.abs(matrix)
     beside = np.minimum(size.max(axis=1)[:, None], size.max(axis=0))
