@@ -7,8 +7,8 @@ CPC, GPD and CH are stated as rates, as b, c and d of LPC, PD and NS are, in the
     CH    |xi|' = l2 |xi|^5,               l2 = l2_map a^4 / T       (|w| -> |w| + T l2 |w|^5 + ...)
 
 where w = a xi: a is the length of the eigenfunction v across the cycle at the section, in the length of the map's
-eigenvector. R1 to R4 have the coefficients of the return map (De Witte, Govaerts, Kuznetsov and Meijer, Physica D 269
-(2014) 126, have those of the flow), in xi, too: what is stated depends on neither the section nor the states' units,
+eigenvector. R1 to R4 have the coefficients of the return map (De Witte, Della Rossa, Govaerts and Kuznetsov, SIAM J.
+Appl. Dyn. Syst. 12 (2013) 722, have those of the flow), in xi, too: what is stated depends on neither the section nor the states' units,
 beside the length of v and, of R3 and R4, its phase at the section.
 
 They are computed on two meshes, the point being located on each. Errors of a coefficient: rounding, and the change to
@@ -115,7 +115,7 @@ def _stated(type_: str, own: Scaled, others: list[Scaled]) -> dict[str, object]:
     for key, error in own.errors.items():
         apart = [_modulus(np.asarray(o.coefficients.get(key, np.nan)) - own.coefficients[key]) for o in others]
         errors[key] = float(error + np.max(apart))
-    if not np.isfinite(list(errors.values())).all() and not special_type(type_).ratios:
+    if not np.isfinite([errors[key] for key in errors if key not in special_type(type_).ratios]).all():
         raise np.linalg.LinAlgError("the change from mesh to mesh is not finite")
     cases = [_decided(each, errors) for each in (own, *others)]
     common = [part for part in cases[0] if all(part in case for case in cases)]
