@@ -8,8 +8,8 @@ CPC, GPD and CH are stated as rates, as b, c and d of LPC, PD and NS are, in the
 
 where w = a xi: a is the length of the eigenfunction v across the cycle at the section, in the length of the map's
 eigenvector. R1 to R4 have the coefficients of the return map (De Witte, Della Rossa, Govaerts and Kuznetsov, SIAM J.
-Appl. Dyn. Syst. 12 (2013) 722, have those of the flow), in xi, too: what is stated depends on neither the section nor the states' units,
-beside the length of v and, of R3 and R4, its phase at the section.
+Appl. Dyn. Syst. 12 (2013) 722, have those of the flow), in xi, too: what is stated does not depend on the section, but
+for the phase of v there, which B and D of R3 and R4 have.
 
 They are computed on two meshes, the point being located on each. Errors of a coefficient: rounding, and the change to
 the finer mesh, which decides, too: a case is stated where it is the same for the return maps of both meshes and for
