@@ -101,7 +101,9 @@ class Scaled:
 def _scaled(type_: str, form: NormalForm, length: float, linear: OrbitLinear) -> Scaled:
     row = special_type(type_)
     unit = row.rate / linear.profile.period if row.rate else 1.0
-    factors = {key: unit * length**power for key, power in row.powers.items()} | dict.fromkeys(row.ratios, 1.0)
+    factors = {key: unit * float(elementary.pow(length, power)) for key, power in row.powers.items()} | dict.fromkeys(
+        row.ratios, 1.0
+    )
     known: dict[str, object] = {key: value for key, value in form.coefficients.items() if key in ("s", "case", "theta")}
     for key, factor in factors.items():
         if key in form.coefficients:
