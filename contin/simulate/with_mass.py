@@ -133,7 +133,7 @@ def integrate_with_mass(
         cubic = _POWERS @ np.vstack([np.zeros(len(u)), Z])
         while kept < len(times) and times[kept] <= t + length * (1.0 + 1e-12):
             x = (times[kept] - t) / length
-            found.append(u + cubic.T @ x ** np.arange(4.0))
+            found.append(u + cubic.T @ np.cumprod([1.0, x, x, x]))
             kept += 1
         t, u = t + length, u + Z[-1]
         if float(np.abs(u).max()) > box:
