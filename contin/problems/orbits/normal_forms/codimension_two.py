@@ -119,7 +119,8 @@ def _stated(type_: str, own: Scaled, others: list[Scaled]) -> dict[str, object]:
         errors[key] = float(error + np.max(apart))
     if not np.isfinite([errors[key] for key in errors if key not in special_type(type_).ratios]).all():
         raise np.linalg.LinAlgError("the change from mesh to mesh is not finite")
-    cases = [_decided(each, errors) for each in (own, *others)]
+    # Where there is one coefficient alone, its error covers how far the others' are off: they have nothing to add.
+    cases = [_decided(each, errors) for each in ((own,) if len(errors) == 1 else (own, *others))]
     common = [part for part in cases[0] if all(part in case for case in cases)]
     if any(case != cases[0] for case in cases):
         common = [UNDECIDED, *(part for part in common if DEGENERATE not in part)]
