@@ -202,7 +202,7 @@ class _LastStep:
         """A point that is found for the first time; of those behind the bound, what its error may have put there."""
         point: Verified | None = item.point
         if self.reach is not None and point is not None:
-            point = on_bound_itself(self.problem, point, self.course.bounds)
+            point = on_bound_itself(self.problem, point, self.course.bounds, self.scale)
         if point is not None and not self._is_labelled(point):
             self.found.append(item if point is item.point else replace(item, point=point))
 

@@ -60,6 +60,14 @@ def test_generalised_hopf_point_on_a_curve(off):
     assert_one(curve, "GH", "q", 0.0, off)
 
 
+@pytest.mark.parametrize("wide", [1e12, 1e-3])
+@pytest.mark.parametrize("off", [0.0, -1e-7, 1e-7])
+def test_the_range_of_one_parameter_says_nothing_about_the_bound_of_the_other(off, wide):
+    line = api.continuation(api.equilibrium(spiral(0.0, "q")), "p", (-1.0, 1.0))
+    curve = api.continuation(line["HB1"].locus(), ["p", "q"], {"p": (-wide, wide), "q": (-2.0, off)})
+    assert_one(curve, "GH", "q", 0.0, off)
+
+
 @pytest.mark.parametrize("off", [0.0, -1e-6, 1e-6])
 def test_doubling_of_cycles(off):
     """A cycle of radius 1 around which (u, v) make half a turn and grow: multipliers -exp(2 pi p), -exp(-2 pi)."""

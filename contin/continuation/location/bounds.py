@@ -13,7 +13,7 @@ from contin.continuation.curve import Stretch
 from contin.continuation.problem import Problem, Sample, Verified, in_two_parameters
 
 SMALL: Final = 1e-3  # part of a step within which a test vanishes that is looked at on the other side of a bound
-ROUNDED: Final = 1e-14  # of the bound, or of the range
+ROUNDED: Final = 1e-14  # of the bound, or of the parameter's width in the metric
 
 
 def walls_passed(problem: Problem, z: Array, bounds: tuple[float, float]) -> list[tuple[int, float, str]]:
@@ -53,12 +53,16 @@ def just_beyond(stretch: Stretch, on_bound: Sample, beyond: Sample) -> Sample:
     return stretch.between(on_bound, beyond, wanted / there) or on_bound
 
 
-def on_bound_itself(problem: Problem, point: Verified, bounds: tuple[float, float]) -> Verified | None:
-    """A point that its error, or rounding, may have put beyond a bound: on the bound. None where it lies beyond it."""
+def on_bound_itself(problem: Problem, point: Verified, bounds: tuple[float, float], scale: Array) -> Verified | None:
+    """A point that its error, or rounding, may have put beyond a bound: on the bound. None where it lies beyond it.
+
+    An error is that of the first parameter, or the larger one of two: of another it is taken in the metric's proportion
+    at most.
+    """
     z, moved = point.z.copy(), 0.0
     for index, value, _ in walls_passed(problem, point.z, bounds):
-        off = abs(float(z[index]) - value)
-        if off > max(point.error, ROUNDED * max(abs(value), abs(bounds[1] - bounds[0]))):
+        off, unit = abs(float(z[index]) - value), float(scale[index])
+        if not off <= max(point.error * min(1.0, unit / float(scale[-1])), ROUNDED * max(abs(value), unit)):
             return None
         z[index], moved = value, max(moved, off)
     return replace(point, z=z, error=max(point.error, moved)) if moved else point
