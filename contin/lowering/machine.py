@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from contin.abi import Address
@@ -142,9 +143,15 @@ def _compiled(llvm: ModuleType, text: str, level: int) -> bytes:
     LLVM's optimiser finds nothing in a tape: the same bits and times a call with and without it, a third of the time
     of compiling, and it keeps some memory of everything it ever ran on (0.3 MB for 1,000 instructions).
     """
-    machine, module = target.object_machine(level=level), llvm.parse_assembly(text)
+    machine, module = _code_generator(level), llvm.parse_assembly(text)
     module.triple = machine.triple
     return bytes(machine.emit_object(module))
+
+
+@cache
+def _code_generator(level: int) -> Any:
+    """Kept: one that is made for every module sets up its tables again, a third of the time of a short module."""
+    return target.object_machine(level=level)
 
 
 def _prepare(llvm: ModuleType) -> None:

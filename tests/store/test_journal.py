@@ -110,8 +110,8 @@ RUN = """
 contin: 1
 model: metronomes/pair-averaged
 continuations:
-  - {name: a, start: in-phase, parameter: mu, range: [1, 8], settings: {max_step: 2.0e-4, step: 2.0e-4}}
-  - {name: b, from: a.BP1, parameter: mu, range: [0.05, 8], settings: {max_step: 2.0e-3, step: 2.0e-3}}
+  - {name: a, start: in-phase, parameter: mu, range: [1, 8], settings: {max_step: 1.0e-3, step: 1.0e-3}}
+  - {name: b, from: a.BP1, parameter: mu, range: [0.05, 8], settings: {max_step: 1.0e-2, step: 1.0e-2}}
 outputs: {save: out.contin}
 """
 
@@ -159,7 +159,7 @@ def _kept(path):
 def test_runs_killed_at_random_moments_and_resumed_give_the_uninterrupted_result(tmp_path, monkeypatch, trials):
     (tmp_path / "run.yaml").write_text(RUN)
     warm_up()
-    monkeypatch.setattr(EquilibriumProblem, "maximum_chunk", 200)  # in the forked processes too
+    monkeypatch.setattr(EquilibriumProblem, "maximum_chunk", 40)  # in the forked processes too
     began = time.monotonic()
     whole = _start(tmp_path, "whole.json")
     whole.join()

@@ -202,8 +202,8 @@ def test_trajectories_of_a_forced_oscillator_with_a_platform_stay_near_the_avera
             return evaluate_all(model.equations, {**p, **dict(zip(model.state_names, u, strict=True)), "t": t})
 
         end = 2.0
-        a = solve_ivp(rates, (0, end), [1.0, 0.0, 0.2], rtol=1e-9, atol=1e-11).y[:, -1]
-        full = solve_ivp(motion, (0, end / eps), [1.0, 0.0, 0.4, 0.2, 0.2], rtol=1e-8, atol=1e-10).y[:, -1]
+        a = solve_ivp(rates, (0, end), [1.0, 0.0, 0.2], "DOP853", rtol=1e-9, atol=1e-11).y[:, -1]
+        full = solve_ivp(motion, (0, end / eps), [1.0, 0.0, 0.4, 0.2, 0.2], "DOP853", rtol=1e-8, atol=1e-10).y[:, -1]
         z = complex(full[0], -full[1]) * np.exp(-1j * (1 + eps * 0.3) * end / eps)
         gaps.append(abs(z - complex(a[0], a[1])))
     assert gaps[0] < 0.1

@@ -91,7 +91,7 @@ def test_averaging_follows_the_motion_to_order_eps():
     def slow(t, u):
         return [evaluate(averaged.equations[0], {"eps": 0, "r": float(u[0])})]
 
-    curve = solve_ivp(slow, (0, 3), [0.6], rtol=1e-10, atol=1e-12, dense_output=True).sol
+    curve = solve_ivp(slow, (0, 3), [0.6], "DOP853", rtol=1e-10, atol=1e-12, dense_output=True).sol
     errors = []
     for eps in (0.04, 0.02, 0.01):
         full = solve_ivp(motion, (0, 3 / eps), [0.6, 0.0], args=(eps,), rtol=1e-7, atol=1e-9, max_step=0.2)

@@ -239,7 +239,7 @@ def test_trajectories_of_a_forced_flow_are_those_of_its_algebraic_states_solved_
         w = brentq(lambda w: w + u[0] + u[0] ** 3 + 0.1 * w**3 * (1.5 + np.cos(1.3 * t)), -50, 50, xtol=1e-14)
         return [u[1], w - 0.2 * u[1] + 0.5 * np.cos(1.3 * t)]
 
-    other = solve_ivp(rate, (0, 20), [1, 0], t_eval=found.t, rtol=1e-10, atol=1e-12).y.T
+    other = solve_ivp(rate, (0, 20), [1, 0], "DOP853", t_eval=found.t, rtol=1e-10, atol=1e-12).y.T
     np.testing.assert_allclose(found.states[:, :2], other, atol=1e-6)
     w, x = found.states[:, 2], found.states[:, 0]
     np.testing.assert_allclose(w + x + x**3 + 0.1 * w**3 * (1.5 + np.cos(1.3 * found.t)), 0.0, atol=1e-9)

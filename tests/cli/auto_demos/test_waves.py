@@ -37,7 +37,7 @@ def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end():
 
         near = lambda t, y: y[0] - 1e-9  # noqa: E731
         near.terminal = True
-        return solve_ivp(rates, (0, 200), start, events=[near], rtol=1e-11, atol=1e-13).y[1, -1] - c
+        return solve_ivp(rates, (0, 200), start, "DOP853", events=[near], rtol=1e-11, atol=1e-13).y[1, -1] - c
 
     (wave,) = result_of("stw")["branches"]
     (point,) = [p for p in wave["points"] if p["type"] == "UZ"]

@@ -12,6 +12,16 @@ from tests.problems.large_orbits.cycles import family, landau, planted
 MESH = 1e-4  # error of eight intervals of order 5
 
 
+@pytest.fixture(scope="module")
+def supercritical():
+    return family(planted(-1.0, 0.0, exact=True), (-0.1, 0.45))
+
+
+@pytest.fixture(scope="module")
+def subcritical():
+    return family(planted(1.0, -1.0), (-0.4, 0.1))
+
+
 def test_collocation_is_exact_for_polynomials_of_its_degree():
     for power in (1, 2, 3):
         np.testing.assert_allclose(A @ C ** (power - 1), C**power / power, atol=1e-15)
@@ -35,8 +45,8 @@ def test_extremes_of_a_wave_have_the_fourth_order():
     assert off(40) < off(10) / 4**3.3
 
 
-def test_bifurcations_of_cycles_are_where_they_were_planted():
-    found = family(planted(-1.0, 0.0, exact=True), (-0.1, 0.45))
+def test_bifurcations_of_cycles_are_where_they_were_planted(supercritical):
+    found = supercritical
     assert isinstance(found.problem, LargeOrbitProblem)
     at = {p.label: p.values["mu"] for p in found.points}
     assert at == pytest.approx({"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}, abs=MESH)
@@ -64,8 +74,8 @@ def test_bifurcations_of_cycles_are_where_they_were_planted():
     np.testing.assert_allclose(doubled.columns["period"], 4 * np.pi, rtol=MESH)
 
 
-def test_fold_of_cycles_behind_a_subcritical_hopf_point():
-    found = family(planted(1.0, -1.0), (-0.4, 0.1))
+def test_fold_of_cycles_behind_a_subcritical_hopf_point(subcritical):
+    found = subcritical
     folds = [p for p in found.points if p.type == "LPC"]
     assert [p.values["mu"] for p in folds] == pytest.approx([-0.25], abs=folds[0].error)
     assert folds[0].error < MESH
@@ -77,9 +87,8 @@ def test_fold_of_cycles_behind_a_subcritical_hopf_point():
     assert np.ptp(a) == pytest.approx(0.8)
 
 
-def test_curves_of_special_orbits_have_slopes_that_are_those_of_their_scalars():
+def test_curves_of_special_orbits_have_slopes_that_are_those_of_their_scalars(supercritical, subcritical):
     """Own derivatives of log |mu| and of dp/ds along any direction against central differences of the scalars."""
-    supercritical, subcritical = family(planted(-1.0, 0.0), (-0.1, 0.45)), family(planted(1.0, -1.0), (-0.4, 0.1))
     generator = np.random.default_rng(5)
     for point in (supercritical["PD1"], supercritical["NS1"], subcritical["LPC1"]):
         seed = point.locus(["mu", "a"])[0]
@@ -118,7 +127,7 @@ def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_cu
     square = "(u^2 + v^2)"
     problem = contin.load({
         "name": "quintic", "kind": "pde",
-        "domain": {"x": {"to": "2*pi", "points": 24, "method": "differences", "periodic": True}},
+        "domain": {"x": {"to": "2*pi", "points": 8, "method": "differences", "periodic": True}},
         "fields": {"u": 0, "v": 0}, "parameters": {"mu": -0.5, "c": 1.0},
         "equations": {
             "u": f"mu*u - v + dxx(u) - 0.5*dxx(v) + {square}*(c*u - 0.3*v) - {square}^2*u",

@@ -129,13 +129,13 @@ def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
         leave *= -np.sign(leave[0]) / np.linalg.norm(leave)
 
         def field(_, u):
-            v = system.jacobian(u, p)[0].copy()
+            v = system.value(u, p)
             v[4:6] = v[2:4]
             return v
 
-        path = solve_ivp(field, (0, 60), saddle + 1e-6 * leave, rtol=1e-11, atol=1e-13, dense_output=True)
         times = np.linspace(0, 60, 12001)
-        gap = path.sol(times)[0] - path.sol(times)[2]
+        path = solve_ivp(field, (0, 60), saddle + 1e-6 * leave, "DOP853", rtol=1e-11, atol=1e-13, t_eval=times).y
+        gap = path[0] - path[2]
         away = int(np.argmax(np.abs(gap) > 0.2))
         back = away + int(np.argmax(np.abs(gap[away:]) < 0.01))
         return gap[back + int(np.argmax(np.abs(gap[back:]) > 0.05))]
