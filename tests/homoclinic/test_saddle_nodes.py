@@ -105,7 +105,9 @@ def josephson_damping():
     """
 
     def passing(start, w, finish, g):
-        path = solve_ivp(lambda phi, w: (1 - np.sin(phi)) / w - g, (start, finish), [w], "DOP853", rtol=1e-11, atol=1e-13)
+        path = solve_ivp(
+            lambda phi, w: (1 - np.sin(phi)) / w - g, (start, finish), [w], "DOP853", rtol=1e-11, atol=1e-13
+        )
         return float(path.y[0, -1])
 
     def gap(g):

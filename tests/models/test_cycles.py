@@ -24,7 +24,12 @@ def settled(f, p, start, until, count):
 
     top.direction = -1
     done = solve_ivp(
-        lambda t, y: f(y[:, None], np.zeros(1), p)[:, 0], (0, until), start, "DOP853", events=top, rtol=1e-9,
+        lambda t, y: f(y[:, None], np.zeros(1), p)[:, 0],
+        (0, until),
+        start,
+        "DOP853",
+        events=top,
+        rtol=1e-9,
         dense_output=True,
     )
     begin, end = done.t_events[0][-2:]

@@ -23,7 +23,9 @@ def test_a_problem_that_depends_on_the_place_ends_where_its_trajectory_does():
     for row in (len(columns["p1"]) // 2, -1):
         p1 = columns["p1"][row]
         start = [0.0, columns["u2.start"][row]]
-        end = solve_ivp(lambda x, u, p1=p1: [u[1], -p1 * exp(x**3 * u[0])], (0, 1), start, "DOP853", rtol=1e-11, atol=1e-12)
+        end = solve_ivp(
+            lambda x, u, p1=p1: [u[1], -p1 * exp(x**3 * u[0])], (0, 1), start, "DOP853", rtol=1e-11, atol=1e-12
+        )
         assert end.y[:, -1] == pytest.approx([0.0, columns["u2.end"][row]], abs=1e-7)
 
 

@@ -21,7 +21,9 @@ def test_rotations_of_pendula_double_where_their_difference_turns_by_half():
     def turn(drive, speed):
         once = lambda t, y, drive: y[0] - 2 * pi  # noqa: E731
         once.terminal = True
-        found = solve_ivp(rates, (0, 50), [0, speed, 1, 0, 0, 1], "DOP853", args=(drive,), events=once, rtol=1e-11, atol=1e-12)
+        found = solve_ivp(
+            rates, (0, 50), [0, speed, 1, 0, 0, 1], "DOP853", args=(drive,), events=once, rtol=1e-11, atol=1e-12
+        )
         return found.y[:, -1]
 
     def off(drive):
