@@ -9,6 +9,8 @@ branching      BP with a simple kernel;  multiple: larger kernels;  directions: 
 hopf           HB, GH; predictors of the cycles and of their folds
 bogdanov_takens, homoclinic, zero_hopf, hopf_hopf     BT, ZH, HH and the curves that start there
 maps, map_resonances     PD, NS; GPD, CH, R1 to R4
+fold_flip, fold_neimark_sacker, two_amplitudes      LPPD; LPNS; PDNS and NSNS;  modes_of_maps: what they share
+propagated     errors of what is computed from coefficients
 homological    Taylor coefficients of centre manifolds and normal forms to any order
 words          type codes and coefficients in words
 """

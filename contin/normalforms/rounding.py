@@ -26,7 +26,10 @@ SAFETY: Final = 6.0  # times the largest of a few samples
 def rounding_errors(
     form: NormalForm, form_at: Callable[[Jet], NormalForm], jet: Jet
 ) -> dict[str, float]:
-    """By how much the real coefficients of form_at(jet) = `form` may be off; those that no sample has are left out."""
+    """By how much the coefficients of form_at(jet) = `form` may be off: the real ones, and complex ones with an error.
+
+    Those that no sample has are left out.
+    """
     found: dict[str, float] = {}
     for rounded in off_by_rounding(jet):
         try:
@@ -34,8 +37,8 @@ def rounding_errors(
         except NO_FORM:  # as for a point more degenerate than its type; the errors it has stand
             continue
         for key, value in form.coefficients.items():
-            if isinstance(value, float) and isinstance(other.get(key), float):
-                change = apart(value, float(other[key]))
+            change = change_of(value, other.get(key)) if isinstance(value, float) or key in form.errors else None
+            if change is not None:
                 found[key] = max(found.get(key, 0.0), SAFETY * change)
     return found
 
@@ -103,9 +106,18 @@ class RoundedJet:
         return self.jet.form(*(d * factor for d, factor in zip(directions, factors, strict=True)))
 
 
-def apart(value: float, other: float) -> float:
+def change_of(value: object, other: object) -> float | None:
+    """The distance of two real coefficients, or complex ones as [re, im]; None of what is no number."""
+    if isinstance(value, float) and isinstance(other, float):
+        return apart(value, other)
+    if isinstance(value, list) and isinstance(other, list) and len(value) == len(other) == 2:
+        return apart(complex(*value), complex(*other))
+    return None
+
+
+def apart(value: complex, other: complex) -> float:
     """The distance of two coefficients whose sign depends on that of an eigenvector."""
-    return min(abs(other - value), abs(abs(other) - abs(value)))
+    return min(abs(other - value), abs(other + value))
 
 
 @lru_cache(maxsize=64)

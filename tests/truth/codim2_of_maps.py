@@ -104,11 +104,19 @@ def fold_flip(random: Random, type_: str, gap: float = 0.0) -> Core:
     """w0 -> w0 + A + a w0^2 + s w1^2, w1 -> -(1 + B + k w0) w1 + c w1^3."""
     a, s, k, c = (number(random) for _ in range(4))
     growth, ats = _growth(gap)
+
+    def check(point: Any, hidden: Hidden) -> str:
+        size = float(np.linalg.norm(hidden.image(0.0, 1.0))) ** 2
+        A, b, d = -a / k, -k * s, 2.0 * c * (a - k) / k
+        found = first(off(point, "a", A), off(point, "b", b / size), off(point, "d", d / size))
+        return first(found, off(point, "L_NS", -A * (2.0 * A * b + 3.0 * b + d) / size))
+
     equations = [f"w0 + A + {n(a)}*w0^2 + {n(s)}*w1^2", f"-(1 + {growth} + {n(k)}*w0)*w1 + {n(c)}*w1^3"]
     if type_ == "LP":
-        return Core(_name("LPPD", "LP", gap), "LP", equations, lambda t: (0.0, t), [Event("LPPD", t) for t in ats],
+        events = [Event("LPPD", t, check) for t in ats]
+        return Core(_name("LPPD", "LP", gap), "LP", equations, lambda t: (0.0, t), events,
                     0.35, lambda p, q: [a, 0.0, p], kind="map", born={"LPPD": ["PD"]})  # fmt: skip
-    events = [Event("LPPD", 0.0), Event("GPD", -k * s / (2 * a * c)), Event("R2", -1 / a)]
+    events = [Event("LPPD", 0.0, check), Event("GPD", -k * s / (2 * a * c)), Event("R2", -1 / a)]
     return Core(
         "LPPD on PD", "PD", equations, lambda w: (-a * w * w, -k * w), events, 0.3, lambda p, q: [a, 0.0, p],
         lambda w: w, kind="map", span=(-0.9 / abs(a), 0.9 / abs(a)), born={"LPPD": ["LP"]},
@@ -121,18 +129,34 @@ def fold_circle(random: Random, type_: str, gap: float = 0.0) -> Core:
     angle = random.uniform(0.4, 1.2)
     growth, ats = _growth(gap)
     r = "(w1^2 + w2^2)"
+
+    def check(point: Any, hidden: Hidden) -> str:
+        theta, b = k / a, d * (k - a) / (s * a * a)
+        sign, found = int(np.sign(a * s)), point.normal_form.get("s")
+        wrong = "" if found == sign else f"s = {found}, not {sign}"
+        E = b - 1.5 * theta**2 + theta
+        return first(wrong, off(point, "theta", theta), off(point, "E", E), off(point, "c", 0.0))
+
     equations = [
         f"w0 + A + {n(a)}*w0^2 + {n(s)}*{r}", *turned(f"1 + {growth} + {n(k)}*w0 + {n(d)}*{r}", n(angle), 1),
     ]  # fmt: skip
     if type_ == "LP":
-        return Core(_name("LPNS", "LP", gap), "LP", equations, lambda t: (0.0, t), [Event("LPNS", t) for t in ats],
+        events = [Event("LPNS", t, check) for t in ats]
+        return Core(_name("LPNS", "LP", gap), "LP", equations, lambda t: (0.0, t), events,
                     0.35, lambda p, q: [a, 0.0, p], kind="map", born={"LPNS": ["NS"]})  # fmt: skip
     # |z| -> |z| (1 + (d + k h) R), h = -s/(2 a w)
-    events = [Event("LPNS", 0.0), Event("CH", k * s / (2 * a * d)), Event("PDNS", -1 / a)]
+    events = [Event("LPNS", 0.0, check), Event("CH", k * s / (2 * a * d)), Event("PDNS", -1 / a)]
     return Core(
         "LPNS on NS", "NS", equations, lambda w: (-a * w * w, -k * w), events, 0.3, lambda p, q: [a, 0.0, p],
         lambda w: w, kind="map", span=(-0.9 / abs(a), 0.9 / abs(a)), born={"LPNS": ["LP"]},
     )  # fmt: skip
+
+
+def interaction(point: Any, p: list[list[float]], lengths: tuple[float, float]) -> str:
+    """Of PDNS and NSNS: p_jk of amplitudes that are measured in these lengths."""
+    places = [(j, k) for j in range(2) for k in range(2)]
+    found = [off(point, f"p{j + 1}{k + 1}", p[j][k] / lengths[k] ** 2) for j, k in places]
+    return first(*found, off(point, "theta", p[0][1] / p[1][1]), off(point, "delta", p[1][0] / p[0][0]))
 
 
 def flip_circle(random: Random, type_: str, gap: float = 0.0) -> Core:
@@ -141,12 +165,17 @@ def flip_circle(random: Random, type_: str, gap: float = 0.0) -> Core:
     growth, ats = _growth(gap)
     r = "(w1^2 + w2^2)"
     flip = f"-(1 + A)*w0 + {n(p11)}*w0^3 + {n(p12)}*w0*{r}"
+
+    def check(point: Any, hidden: Hidden) -> str:
+        lengths = float(np.linalg.norm(hidden.image(1.0))), size_of(hidden, 1)
+        return interaction(point, [[-p11, -p12], [p21, p22]], lengths)
+
     circle = turned(f"1 + {growth} + {n(mix)}*A + {n(p21)}*w0^2 + {n(p22)}*{r}", n(angle), 1)
     if type_ == "PD":
         return Core(_name("PDNS", "PD", gap), "PD", [flip, *circle], lambda t: (0.0, t),
-                    [Event("PDNS", t) for t in ats], 0.35, kind="map", born={"PDNS": ["NS"]})  # fmt: skip
-    return Core("PDNS on NS", "NS", [flip, *circle], lambda t: (t, -mix * t), [Event("PDNS", 0.0)], 0.35, kind="map",
-                born={"PDNS": ["PD"]})  # fmt: skip
+                    [Event("PDNS", t, check) for t in ats], 0.35, kind="map", born={"PDNS": ["NS"]})  # fmt: skip
+    return Core("PDNS on NS", "NS", [flip, *circle], lambda t: (t, -mix * t), [Event("PDNS", 0.0, check)], 0.35,
+                kind="map", born={"PDNS": ["PD"]})  # fmt: skip
 
 
 def two_circles(random: Random) -> Core:
@@ -157,7 +186,11 @@ def two_circles(random: Random) -> Core:
         *turned(f"1 + A + {n(p11)}*{one} + {n(p12)}*{two}", n(angle)),
         *turned(f"1 + B + {n(mix)}*A + {n(p21)}*{one} + {n(p22)}*{two}", n(other), 2),
     ]
-    return Core("NSNS on NS", "NS", equations, lambda t: (0.0, t), [Event("NSNS", 0.0)], 0.35, kind="map",
+
+    def check(point: Any, hidden: Hidden) -> str:  # the larger angle comes first
+        return interaction(point, [[p22, p21], [p12, p11]], (size_of(hidden, 2), size_of(hidden)))
+
+    return Core("NSNS on NS", "NS", equations, lambda t: (0.0, t), [Event("NSNS", 0.0, check)], 0.35, kind="map",
                 born={"NSNS": ["NS"]})  # fmt: skip
 
 

@@ -163,7 +163,7 @@ def _point(problem: CurveOfPoints, type_: str, solved: Solution, frame: Frame) -
     unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
     error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     point = Verified(type_, z, solved.residual, error, values, unstable)
-    on_locus = type_ == "ZH" and problem.locus != "LP"
+    on_locus = type_ in ("ZH", "LPPD", "LPNS") and problem.locus != "LP"
     plane = on_locus and zero_hopf_crossing.is_forced(problem, z, frame.scale, zero_hopf_crossing.EXACT)
     drift = None if solved.drift is None or plane else solved.drift * frame.scale
     described_point = described(problem, point, values[critical], frame.scale, plane, drift)

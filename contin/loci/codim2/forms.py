@@ -18,7 +18,7 @@ from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.later import Later, stated
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST, NormalForm
-from contin.normalforms.rounding import apart, rounding_errors
+from contin.normalforms.rounding import change_of, rounding_errors
 from contin.normalforms.sources import compiled_jet
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.records import Fields
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from contin.normalforms.jet import DerivativeJet, Jet
 
 BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
-
+FORCED: Final = ", no parameter unfolds the multiplier 1"  # there is no fold, whose unfolding the rest of the case says
 
 
 def jet_at(problem: CurveOfPoints, z: Array, active: tuple[int, ...] = ()) -> DerivativeJet:
@@ -46,17 +46,18 @@ def described(
 ) -> Verified:  # fmt: skip
     """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
 
-    `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.  `drift` : estimated errors of all unknowns,
-    by which the coefficients are less well known than they are at the point itself.
+    `plane` : a ZH (of maps LPPD, LPNS) at which no parameter unfolds the vanishing eigenvalue (multiplier 1).
+    `drift` : estimated errors of all unknowns, by which the coefficients are less well known than at the point itself.
     """
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
     frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
     if point.type == "CH" and frequencies:
         frequency = float(elementary.angle(next(v for v in critical if v.imag > 0.0)))
-    active = (problem.curve.first,) if point.type == "DP" else ()
+    forced, plane = plane and point.type != "ZH", plane and point.type == "ZH"
     vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {})
     if not table()[point.type].normal_form and point.type != "DP":
         return with_remark(replace(point, vectors=vectors), "fixed points of maps")
+    jet = jet_at(problem, point.z)
     try:
         if point.type == "DP":
             form = branching_form(problem, point.z)
@@ -64,8 +65,8 @@ def described(
             form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
         else:
             lengths = None if drift is None else np.abs(drift[: problem.n]) / unit_mass(problem.system)
-            jet = jet_at(problem, point.z, active)
             form = normal_form(point.type, jet, frequency=frequency, state_error=lengths)
+            form = _without_fold(form) if forced else form
     except NO_FORM as reason:
         return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
     known: Mapping[str, float] = stated(form.errors)
@@ -88,16 +89,22 @@ def described(
     return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | own)
 
 
+def _without_fold(form: NormalForm) -> NormalForm:
+    """What is told of a point with multiplier 1 that no parameter unfolds."""
+    return replace(form, coefficients={**form.coefficients, "case": f"{form.coefficients['case']}{FORCED}"})
+
+
 def _summed(form: NormalForm, changes: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """The errors of a form's coefficients, grown by these."""
     known = dict(form.errors)
     for key, change in chain.from_iterable(found.items() for found in changes):
-        known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
+        own = known[key] if key in known else TRUST * abs(float(form.coefficients[key]))
+        known[key] = own + change
     return known
 
 
 def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, scale: Array) -> dict[str, float]:
-    """By how much each real coefficient changes over the drift: of what order its error from that of the point is."""
+    """By how much each coefficient changes over the drift: of what order its error from that of the point is."""
     length = float(np.linalg.norm(drift / scale))
     if not 0.0 < length < np.inf:
         return {}
@@ -108,8 +115,9 @@ def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array,
         return {}
     found = {}
     for key, value in form.coefficients.items():
-        if isinstance(value, float) and isinstance(beside.get(key), float):
-            found[key] = apart(value, float(beside[key])) / step
+        change = change_of(value, beside.get(key)) if isinstance(value, float) or key in form.errors else None
+        if change is not None:
+            found[key] = change / step
     return found
 
 

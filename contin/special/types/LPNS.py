@@ -1,13 +1,14 @@
 """LPNS: fold-Neimark-Sacker point."""
 
-from contin.special.sources import CYCLES_TWO, MAPS
+from contin.special.sources import CYCLES_TWO, INTERACTING
 from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="LPNS", words="fold-Neimark-Sacker point", codimension=2, on=("LP", "BP", "NS", "LPC", "BPC"),
     also="fold-torus (LTR)",
     condition="multipliers 1 and exp(+-i theta)",
-    source=f"{MAPS}; {CYCLES_TWO}",
+    source=f"{INTERACTING}; {CYCLES_TWO}",
+    normal_form="contin.normalforms.fold_neimark_sacker:fold_neimark_sacker", needs=("state_error",), order=3,
     curves=("LP", "NS"),
     points={"LP": Sign(4, 2), "BP": Sign(4, 2), "NS": Sign(4, 1)}, orbits={"LPC": 2, "BPC": 2, "NS": 4}, flows=False,
     maps=True,
