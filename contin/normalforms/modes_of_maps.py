@@ -56,7 +56,7 @@ def modes(jet: Jet, real: Sequence[float], pairs: int) -> Modes:
         turns += [(0, *(sign if k == i else 0 for i in range(pairs))) for sign in (1, -1)]
     found = sorted(_near(turns, angles), key=lambda one: one[0])
     if found and found[0][0] < ORDER:
-        raise NearResonantError(f"near-resonant: {found[0][1]}")
+        raise NearResonantError(f"near-resonant: {found[0][1]} to {found[0][2]:.1e}")
     return Modes(CentreManifold(jet, known), angles, found[0][1] if found else "")
 
 
@@ -69,8 +69,8 @@ def critical_angles(jet: Jet, pairs: int) -> tuple[float, ...]:
     return tuple(sorted((float(elementary.angle(value)) for value in nearest), reverse=True))
 
 
-def _near(turns: Sequence[Turn], angles: tuple[float, ...]) -> Iterator[tuple[int, str]]:
-    """(order, in words) of the resonances that the angles are near to."""
+def _near(turns: Sequence[Turn], angles: tuple[float, ...]) -> Iterator[tuple[int, str, float]]:
+    """(order, in words, distance) of the resonances that the angles are near to."""
     for powers in product(range(ORDER + 1), repeat=len(turns)):
         order = sum(powers)
         if not 1 <= order <= ORDER:
@@ -82,11 +82,11 @@ def _near(turns: Sequence[Turn], angles: tuple[float, ...]) -> Iterator[tuple[in
                 continue  # a term for every angle, or never one
             distance = abs(complex(elementary.exp(1j * (np.pi * halves + np.dot(times, angles)))) - 1.0)
             if distance <= NEAR:
-                yield order, _words(times, angles, distance)
+                yield order, _words(times, angles), distance
 
 
-def _words(times: Sequence[int], angles: tuple[float, ...], distance: float) -> str:
-    """As `3 theta = 2 pi to 1e-05`."""
+def _words(times: Sequence[int], angles: tuple[float, ...]) -> str:
+    """As `3 theta = 2 pi`."""
     first = next(k for k in times if k)
     times = [k if first > 0 else -k for k in times]
     names = ("theta",) if len(angles) == 1 else tuple(f"theta{i + 1}" for i in range(len(angles)))
@@ -94,4 +94,4 @@ def _words(times: Sequence[int], angles: tuple[float, ...], distance: float) -> 
     text = " ".join(f"{'-' if k < 0 else '+'} {'' if abs(k) == 1 else f'{abs(k)} '}{name}" for k, name in terms)
     halves = round(float(np.dot(times, angles)) / np.pi)
     right = "0" if halves == 0 else f"{'-' if halves < 0 else ''}{'' if abs(halves) == 1 else f'{abs(halves)} '}pi"
-    return f"{text.removeprefix('+ ')} = {right} to {distance:.1e}"
+    return f"{text.removeprefix('+ ')} = {right}"

@@ -34,7 +34,9 @@ class SpecialType:
     fixed points that pass through it (of orbits: with LPC for LP).  continues : kinds of branch of which another one
     starts there.
     cycle : the code of the same point of a cycle.
-    powers : of a point of cycles: by what power of the eigenvector's length each coefficient of the return map grows.
+    modes : of several critical multipliers: the real ones, and how many pairs there are beside them.
+    powers : of a point of cycles: by what power of the eigenvector's length each coefficient of the return map grows;
+    by what powers of the eigenvectors' lengths, where there are several.
     ratios : of others, which do not depend on that length: the coefficient that they are divided by.
     rate : of coefficients that are stated per unit of time: the sign that those of the return map have beside them.
     branch, points, orbits, connections : where its test function stands among those of a sample: of a branch in one
@@ -64,7 +66,8 @@ class SpecialType:
     curves: tuple[str, ...] = ()
     continues: tuple[str, ...] = ()
     cycle: str = ""
-    powers: Mapping[str, int] = field(default_factory=dict)
+    modes: tuple[tuple[float, ...], int] | None = None
+    powers: Mapping[str, int | tuple[int, int]] = field(default_factory=dict)
     ratios: Mapping[str, str] = field(default_factory=dict)
     rate: float = 0.0
     branch: int | None = None

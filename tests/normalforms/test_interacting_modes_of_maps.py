@@ -288,15 +288,15 @@ def test_near_a_resonance_of_third_order_no_case_is_stated(form, turns, angle, w
     for off in (0.0, 1e-7, -2e-4):
         jet = PolynomialJet(amplitude_map((*turns, np.exp(1j * (angle + off))), P), kind="map")
         found = form(jet).coefficients
-        assert found["resonance"].startswith(words)
-        assert found["case"].startswith(f"near-resonant: {words} to ")
+        assert found["resonance"] == words
+        assert found["case"] == f"near-resonant: {words}"
         assert {"p11", "p12", "p21", "p22"} <= set(found)
 
 
 def test_a_fold_neimark_sacker_point_at_four_turns_has_its_coefficients_and_no_case():
     field = fold_circle_map(1.0, 0.4 + 0.3j, 0.2 - 0.5j, 0.7, np.pi / 2)
     found = fold_neimark_sacker(PolynomialJet(field, kind="map")).coefficients
-    assert found["case"].startswith("near-resonant: 4 theta = 2 pi to ")
+    assert found["case"] == "near-resonant: 4 theta = 2 pi"
     assert found["c"] == pytest.approx(0.7, rel=1e-9)
     with pytest.raises(NearResonantError, match="3 theta = 2 pi"):
         fold_neimark_sacker(PolynomialJet(fold_circle_map(1.0, 0.4, 0.2, 0.7, 2 * np.pi / 3), kind="map"))

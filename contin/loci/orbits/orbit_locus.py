@@ -123,7 +123,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
         """By the return map; of types that have their coefficients from it, on curves of LPC, PD and NS."""
         if self.locus == "BPC" or not has_coefficients(point.type, self.system):
             return point
-        theta = self.curve.theta(point.z) if point.type == "CH" else ANGLES[point.type]
+        theta = self.curve.theta(point.z) if point.type == "CH" else ANGLES.get(point.type, 0.0)
         return with_coefficients(point, theta, self._linear(point.z, frame), finer._linear(there.z, metric))
 
     def _linear(self, z: Array, frame: Frame) -> OrbitLinear:

@@ -12,5 +12,8 @@ TYPE = SpecialType(
     curves=("LP", "NS"),
     points={"LP": Sign(4, 2), "BP": Sign(4, 2), "NS": Sign(4, 1)}, orbits={"LPC": 2, "BPC": 2, "NS": 4}, flows=False,
     maps=True,
+    modes=((1.0,), 1),
+    powers={"f200": (1, 0), "f011": (-1, 2), "g110": (1, 0)},
+    ratios={"a": "f200", "b": "f200", "c": "f200", "theta": "f200", "E": "f200"},
     marker="X", symbol="saltire",
 )  # fmt: skip

@@ -12,5 +12,7 @@ TYPE = SpecialType(
     curves=("LP", "PD"),
     points={"LP": Sign(5, 1), "BP": Sign(5, 1), "PD": Sign(5, 1)}, orbits={"LPC": 3, "BPC": 3, "PD": 4}, flows=False,
     maps=True,
+    modes=((1.0, -1.0), 0),
+    powers={"e": (1, 0), "b": (0, 2), "d": (0, 2), "L_NS": (0, 2)}, ratios={"a": "e", "c": "e"},
     marker="8", symbol="octagon",
 )  # fmt: skip

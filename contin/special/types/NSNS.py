@@ -11,5 +11,7 @@ TYPE = SpecialType(
     normal_form="contin.normalforms.two_amplitudes:double_neimark_sacker", order=3,
     curves=("NS", "NS"),
     points={"NS": Sign(7, 2)}, orbits={"NS": 2}, flows=False, maps=True,
+    modes=((), 2),
+    powers={"p11": (2, 0), "p12": (0, 2), "p21": (2, 0), "p22": (0, 2)}, ratios={"theta": "p22", "delta": "p11"},
     marker="*", symbol="star",
 )  # fmt: skip

@@ -11,5 +11,7 @@ TYPE = SpecialType(
     normal_form="contin.normalforms.two_amplitudes:flip_neimark_sacker", order=3,
     curves=("PD", "NS"),
     points={"PD": Sign(4, 2), "NS": Sign(5, 1)}, orbits={"PD": 2, "NS": 3}, flows=False, maps=True,
+    modes=((-1.0,), 1),
+    powers={"p11": (2, 0), "p12": (0, 2), "p21": (2, 0), "p22": (0, 2)}, ratios={"theta": "p22", "delta": "p11"},
     marker="d", symbol="thin-diamond",
 )  # fmt: skip

@@ -7,9 +7,10 @@ CPC, GPD and CH are stated as rates, as b, c and d of LPC, PD and NS are, in the
     CH    |xi|' = l2 |xi|^5,               l2 = l2_map a^4 / T       (|w| -> |w| + T l2 |w|^5 + ...)
 
 where w = a xi: a is the length of the eigenfunction v across the cycle at the section, in the length of the map's
-eigenvector. R1 to R4 have the coefficients of the return map (De Witte, Della Rossa, Govaerts and Kuznetsov, SIAM J.
-Appl. Dyn. Syst. 12 (2013) 722, have those of the flow), in xi, too: what is stated does not depend on the section, but
-for the phase of v there, which B and D of R3 and R4 have.
+eigenvector. R1 to R4, LPPD, LPNS, PDNS and NSNS have the coefficients of the return map in xi (De Witte, Della Rossa,
+Govaerts and Kuznetsov, SIAM J. Appl. Dyn. Syst. 12 (2013) 722, have those of the flow: p_jk / T, and the same theta,
+delta and s): what is stated does not depend on the section, but for the phase of v there, which B and D of R3 and R4
+have, and the sign of the map's eigenvector of multiplier 1 (e of LPPD; f200, f011 and g110 of LPNS).
 
 They are computed on two meshes, the point being located on each. Errors of a coefficient: rounding, and the change to
 the finer mesh, which decides, too: a case is stated where it is the same for the return maps of both meshes and for
@@ -25,10 +26,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Vector
+from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
 from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet, Kind, Real
+from contin.normalforms.modes_of_maps import critical_angles
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import DEGENERATE, NO_FORM, NormalForm
 from contin.problems.algebraic_states import massless
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 
 BEYOND: Final = 2.0  # times the change from mesh to mesh
 CRITICAL: Final = 1e-3  # distance of the return map's multiplier from the critical one: it is not resolved beyond that
+AS_THEY_ARE: Final = ("s", "case", "theta", "angle", "angle1", "angle2", "resonance")  # of a map's form
 UNDECIDED: Final = f"{DEGENERATE}: its sign changes within the error"
 
 
@@ -67,13 +70,14 @@ def _form(type_: str, theta: float, coarse: OrbitLinear, fine: OrbitLinear) -> d
     maps = [ReturnMap(coarse)]
     maps.append(ReturnMap(fine, like=maps[0]))
     jets = [each.jet() for each in maps]
-    rho = complex(elementary.exp(1j * theta))
-    for jet in jets:
-        if not np.min(np.abs(np.linalg.eigvals(jet.A) - rho)) < CRITICAL:
+    critical = [_critical(type_, theta, jet) for jet in jets]
+    for jet, multipliers in zip(jets, critical, strict=True):
+        if not all(np.min(np.abs(np.linalg.eigvals(jet.A) - rho)) < CRITICAL for rho in multipliers):
             raise np.linalg.LinAlgError("the multipliers are not resolved there")
-    if special_type(type_).cosine in (1.0, -1.0):
-        jets = [replace(jet, A=with_double_eigenvalue(jet.A, float(np.sign(rho.real)))) for jet in jets]
-    lengths = [_length(each, rho) for each in maps]
+    cosine = special_type(type_).cosine
+    if cosine in (1.0, -1.0):
+        jets = [replace(jet, A=with_double_eigenvalue(jet.A, float(cosine))) for jet in jets]
+    lengths = [np.array([_length(each, rho) for rho in those]) for each, those in zip(maps, critical, strict=True)]
     beyond = [(1.0 + BEYOND, -BEYOND), (-BEYOND, 1.0 + BEYOND)]
     own = _scaled(type_, normal_form(type_, jets[0], frequency=theta), lengths[0], coarse)
     others = [_scaled(type_, normal_form(type_, jets[1], frequency=theta), lengths[1], fine)]
@@ -81,6 +85,15 @@ def _form(type_: str, theta: float, coarse: OrbitLinear, fine: OrbitLinear) -> d
         form = normal_form(type_, Combined(jets[0], jets[1], a, b), frequency=theta)
         others.append(_scaled(type_, form, a * lengths[0] + b * lengths[1], coarse))
     return _stated(type_, own, others)
+
+
+def _critical(type_: str, theta: float, jet: DerivativeJet) -> tuple[complex, ...]:
+    """The critical multipliers, one of each pair, on the unit circle: in the order of the powers of their lengths."""
+    modes = special_type(type_).modes
+    if modes is None:
+        return (complex(elementary.exp(1j * theta)),)
+    real, pairs = modes
+    return (*map(complex, real), *(complex(elementary.exp(1j * angle)) for angle in critical_angles(jet, pairs)))
 
 
 def _length(cycle: ReturnMap, rho: complex) -> float:
@@ -92,19 +105,18 @@ def _length(cycle: ReturnMap, rho: complex) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """A map's form in the eigenfunction's length."""
+    """A map's form in the eigenfunctions' lengths."""
 
     coefficients: dict[str, object]
     errors: dict[str, float]
 
 
-def _scaled(type_: str, form: NormalForm, length: float, linear: OrbitLinear) -> Scaled:
+def _scaled(type_: str, form: NormalForm, lengths: Array, linear: OrbitLinear) -> Scaled:
     row = special_type(type_)
     unit = row.rate / linear.profile.period if row.rate else 1.0
-    factors = {key: unit * float(elementary.pow(length, power)) for key, power in row.powers.items()} | dict.fromkeys(
-        row.ratios, 1.0
-    )
-    known: dict[str, object] = {key: value for key, value in form.coefficients.items() if key in ("s", "case", "theta")}
+    factors = {key: unit * float(np.prod(elementary.pow(lengths, power))) for key, power in row.powers.items()}
+    factors |= dict.fromkeys(row.ratios, 1.0)
+    known: dict[str, object] = {key: value for key, value in form.coefficients.items() if key in AS_THEY_ARE}
     for key, factor in factors.items():
         if key in form.coefficients:
             known[key] = (np.asarray(form.coefficients[key]) * factor).tolist()
@@ -128,7 +140,9 @@ def _stated(type_: str, own: Scaled, others: list[Scaled]) -> dict[str, object]:
         if ratio in errors and not (_modulus(found[below]) > errors[below] and np.isfinite(errors[ratio])):
             del found[ratio], errors[ratio]
             common = [f"{DEGENERATE}: {below} is zero to its estimated error"]
-    if "s" in found:
+    if "s" in found and "case" in own.coefficients:
+        found["s"] = found["s"] if f"s = {found['s']}" in common else 0
+    elif "s" in found:
         known = common in (["1"], ["-1"])
         found["s"], common = (found["s"], []) if known else (0, [DEGENERATE])
     if common:
@@ -147,9 +161,9 @@ def _decided(form: Scaled, errors: Mapping[str, float]) -> list[str]:
     if len(errors) == 1:
         (key,) = errors
         return [] if abs(float(form.coefficients[key])) > errors[key] else [DEGENERATE]  # type: ignore[arg-type]
-    if "s" in form.coefficients:
-        return [str(form.coefficients["s"])]
-    return str(form.coefficients["case"]).split(", ")
+    if "case" in form.coefficients:
+        return str(form.coefficients["case"]).split(", ")
+    return [str(form.coefficients["s"])]
 
 
 @dataclass(frozen=True, eq=False)
