@@ -45,7 +45,10 @@ def test_the_limit_does_not_depend_on_the_steps_that_lead_to_it(max_step):
     assert abs(orbits["HOM1"].values["p"]) <= orbits["HOM1"].error
 
 
-@pytest.mark.parametrize("intervals", [20, 30, 60, 200])
+LONG = pytest.mark.long
+
+
+@pytest.mark.parametrize("intervals", [20, 60, pytest.param(30, marks=LONG), pytest.param(200, marks=LONG)])
 def test_the_curve_of_homoclinic_orbits_starts_where_their_parameter_is_zero(intervals):
     """p = 0 for every a, and the saddle is neutral at a = 0. What is left of p at the start is no size of it."""
     start = family(-1.0, 2.0, {"intervals": intervals})["HOM1"]

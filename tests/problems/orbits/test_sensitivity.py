@@ -32,8 +32,17 @@ class Perturbed(Hidden):
         )  # fmt: skip
 
 
-@pytest.mark.parametrize("core", [core for core in SIMPLE if "sub" not in core.name], ids=lambda core: core.name)
-@pytest.mark.parametrize(("n", "way"), [(4, "plain"), (5, "bent")])
+CORES = [core for core in SIMPLE if "sub" not in core.name]
+BENT = ("LPC, period changing", "PD, supercritical", "NS, supercritical")  # each costs three of the plain ones
+CASES = [
+    pytest.param(core, n, way, id=f"{n}-{way}-{core.name}", marks=[pytest.mark.long] if long else [])
+    for n, way in ((4, "plain"), (5, "bent"))
+    for core in CORES
+    for long in [way == "bent" and core.name not in BENT]
+]
+
+
+@pytest.mark.parametrize(("core", "n", "way"), CASES)
 def test_a_bound_of_how_far_errors_of_the_equations_move_a_special_orbit(core, n, way):
     family = Hidden(core, n, way, 3).family()
     (point,) = (point for point in family.points if point.type == core.type)
