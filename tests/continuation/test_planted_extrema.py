@@ -33,7 +33,7 @@ def _check(found, exact, height):
 
 
 @given(HEIGHTS, st.floats(-1.0, 1.0), STEPS)
-@settings(max_examples=30)
+@settings(max_examples=15)
 def test_a_parabola_has_one(height, centre, step):
     """c = 1 + h (p - m)^2."""
     found = _extrema("x - p", f"1 + {height!r}*(x - {centre!r})^2", -1.2, -1.2, step)
@@ -41,7 +41,7 @@ def test_a_parabola_has_one(height, centre, step):
 
 
 @given(HEIGHTS, st.floats(-0.25, 0.25), STEPS)
-@settings(max_examples=30)
+@settings(max_examples=15)
 def test_a_cubic_has_two(height, centre, step):
     """c = t^3/3 - e^2 t, t = p - m: a minimum lower than the maximum by 4 e^3/3, h of the range of about 1."""
     e = (0.75 * height) ** (1 / 3)
@@ -50,7 +50,7 @@ def test_a_cubic_has_two(height, centre, step):
 
 
 @given(HEIGHTS, st.floats(0.1, 3.0), STEPS)
-@settings(max_examples=30)
+@settings(max_examples=15)
 def test_a_circle_has_a_highest_and_a_lowest_point(height, angle, step):
     """c = 1 + h (x cos a + p sin a) on x^2 + p^2 = 1, all round."""
     a, b = float(np.cos(angle)), float(np.sin(angle))
@@ -59,7 +59,7 @@ def test_a_circle_has_a_highest_and_a_lowest_point(height, angle, step):
 
 
 @given(st.floats(-1.0, 1.0), STEPS)
-@settings(max_examples=20)
+@settings(max_examples=5)
 def test_what_is_constant_but_for_rounding_has_none(turned, step):
     assert _extrema("x^2 + p^2 - 1", f"(x + {turned!r}*p)^2 + (p - {turned!r}*x)^2", 0.8, 0.6, step) == []
 

@@ -128,7 +128,7 @@ def test_closed_forms_hold_in_units_a_million_apart(name):
     assert_near(branch, case.expected)
 
 
-@pytest.mark.parametrize("max_step", [0.03, 0.2, 1.0])
+@pytest.mark.parametrize("max_step", [0.03, 1.0])
 @pytest.mark.parametrize("name", [n for n in ALL if len(ALL[n].states) < 5])
 def test_closed_forms_hold_for_short_and_long_steps(name, max_step):
     case = ALL[name]
