@@ -102,12 +102,16 @@ def test_a_phase_diagram_needs_two_parameters(pair):
         contin.phase(CUSP, pair, CUSP_BOX)
 
 
-def test_the_diagram_of_the_averaged_pair():
+WHOLE = pytest.param({"mu": (0.05, 8), "beta": (0.05, 1)}, {"TZ", "DP", "BT", "CP", "ZH", "GH"}, marks=pytest.mark.long)
+
+
+@pytest.mark.parametrize(("box", "points"), [({"mu": (2, 8), "beta": (0.4, 1)}, set()), WHOLE])
+def test_the_diagram_of_the_averaged_pair(box, points):
+    """Points of codimension two lie at small mu, in the whole box."""
     slow = contin.average(contin.load("metronomes/pair"), form="stokes")
     diagram = contin.phase(
-        slow, ("mu", "beta"), {"mu": (0.05, 8), "beta": (0.05, 1)}, start=["in-phase", "anti-phase"],
-        parameters={"mu": 8, "beta": 0.8}, orbits=False,
-    )  # fmt: skip
+        slow, ("mu", "beta"), box, start=["in-phase", "anti-phase"], parameters={"mu": 8, "beta": 0.8}, orbits=False
+    )
     above = diagram.region_at({"mu": 4.0, "beta": 0.97})  # beta > 3 a^2/(16 pi b): total rest only
     assert (above.total, above.stable) == (1, 1)
     both = diagram.region_at({"mu": 7.0, "beta": 0.9})
@@ -117,7 +121,7 @@ def test_the_diagram_of_the_averaged_pair():
     for i, j in diagram.graph.edges:  # a fold or a pitchfork changes the number of states by two or four
         assert abs(diagram.regions[i].total - diagram.regions[j].total) in (0, 2, 4, 6)
     places = {p.type for b in diagram.loci for p in b.points}
-    assert {"TZ", "DP", "BT", "CP", "ZH", "GH"} <= places
+    assert points <= places
     assert sum("imaginary all along" in note for note in diagram.notes) == 2  # one for each of the two lines
 
 

@@ -148,7 +148,7 @@ def test_regions_beside_a_symmetric_bogdanov_takens_point():
     assert area[2, 3, 0] == pytest.approx((2 + 0.752) / 8, abs=2e-3)
 
 
-@pytest.mark.parametrize("declared", [False, True])
+@pytest.mark.parametrize("declared", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_a_hopf_curve_that_turns_back_onto_itself_at_a_symmetric_point_bounds_regions(declared):
     """x' = y, y' = m x + n y - x^3 - x^2 y: Hopf points of (+-sqrt m, 0) on m = n > 0, followed from one to the other.
 
