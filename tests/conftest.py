@@ -7,6 +7,7 @@ rounding may do anywhere (`tests/noise.py`), `CONTIN_TEST_UNWRITTEN=1` what memo
 (`tests/unwritten.py`): the tests must pass with each.
 
 `pytest -m fast` runs the core in under a minute once the kernels are compiled: what is in `FAST`, marked here.
+`CONTIN_TEST_COST=20` tells what tests cost (`tests/cost.py`).
 """
 
 import gc
@@ -87,6 +88,7 @@ SLOW_TESTS = """
     systems/functions/test_rotation.py::test_waves_that_pulsate_return_turned_and_start_from_samples_of_the_function_itself
 """.split()
 HERE = Path(__file__).parent
+COST = os.environ.get("CONTIN_TEST_COST")
 
 
 def pytest_collection_finish():
@@ -111,7 +113,19 @@ def pytest_warning_recorded(warning_message, nodeid):
         _warned.append(f"{nodeid}: {warning_message.message} ({warning_message.filename}:{warning_message.lineno})")
 
 
+def pytest_configure(config):
+    if COST:
+        from tests import cost
+
+        config.pluginmanager.register(cost)
+
+
 def pytest_terminal_summary(terminalreporter):
+    if COST:
+        from tests.cost import summary
+
+        for line in summary(int(COST)):
+            terminalreporter.write_line(line)
     for line in _warned:
         terminalreporter.write_line(f"WARNED {line}", red=True)
 
