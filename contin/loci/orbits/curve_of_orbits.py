@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from contin.problems.orbits.hopf_end import SMALL
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 HALVES = 100
+ANGLES: Final = {  # of critical multipliers, of types with one of them
+    "CPC": 0.0, "R1": 0.0, "GPD": np.pi, "R2": np.pi, "R3": 2.0 * np.pi / 3.0, "R4": 0.5 * np.pi,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

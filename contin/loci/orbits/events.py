@@ -55,7 +55,22 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
 
 
 def verify(problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Outcome:
-    """The zero of a test function along the curve, by secants in a bracket; none where a neutral pair crosses."""
+    """The zero of a test function along the curve, with its coefficients."""
+    found = located(problem, type_, near, frame)
+    if not isinstance(found, tuple):
+        return found
+    point, finer = found
+    where = SOME if special_type(type_).powers else "cycles"
+    return with_remark(problem.with_coefficients(point, frame, *finer), where)
+
+
+def located(
+    problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame
+) -> Outcome | tuple[Verified, Refined]:
+    """The zero of a test function along the curve, by secants in a bracket; none where a neutral pair crosses.
+
+    With the zero on a finer mesh.
+    """
     index = test_of(problem.locus, type_)
     if index is None:
         return unverified(type_, "no test of this curve has it")
@@ -83,9 +98,7 @@ def verify(problem: CurveOfSpecialOrbits, type_: str, near: Sample, frame: Frame
     moved = float(np.abs(finer[1].z[[-1, -2]] - found.z[[-1, -2]]).max())
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     error += ALONG * problem.error_of_equations(found.z, frame.scale)
-    point = Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
-    where = SOME if special_type(type_).powers else "cycles"
-    return with_remark(problem.with_coefficients(point, frame, *finer), where)
+    return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable), finer
 
 
 def _on_finer_mesh(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> Refined | None:

@@ -17,6 +17,7 @@ from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample, 
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.orbits import criticality
+from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.orbits.renewal import on_finer_mesh, renew
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
 from contin.machine import elementary
@@ -30,7 +31,6 @@ PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
 FIRST_TEST = 2  # of other multipliers, after those of folds and branch points
 LEAST = 10  # ... but not before so many steps
-ANGLES = {"CPC": 0.0, "R1": 0.0, "GPD": np.pi, "R2": np.pi, "R3": 2.0 * np.pi / 3.0, "R4": 0.5 * np.pi}
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,12 +14,14 @@ from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, 
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.loci.orbits import criticality, events
+from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
 from contin.loci.shooting.curve import ShootingCurve
 from contin.loci.shooting.grazing import GrazingCurve
 from contin.loci.shooting.sensitivity import error_of_equations
 from contin.loci.shooting.shot_curves import OfShotOrbits
 from contin.problems.orbits.linearised.multipliers import nontrivial
+from contin.problems.shooting.codimension_two import has_coefficients, with_coefficients
 from contin.problems.shooting.events import COARSE, FINE
 from contin.problems.shooting.linear import BorderedShooting
 from contin.problems.shooting.locate import accuracy_of_equations
@@ -93,6 +95,14 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return None
 
+    def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
+        """By differences of the return map; of types up to their order, on curves of LPC, PD and NS."""
+        if self.locus == "BPC" or self.curve.touched is not None or not has_coefficients(point.type):
+            return point
+        orbits, orbit = self.curve.at(point.z), self.curve.orbit(point.z)
+        sizes = orbits.sizes(orbit, self.curve.orbit(frame.scale))
+        return with_coefficients(point, ANGLES.get(point.type, 0.0), orbits, orbit, sizes)
+
     def error_of_equations(self, z: Array, scale: Array) -> float:
         return error_of_equations(self.curve, z, scale) if isinstance(self.curve, ShootingCurve) else 0.0
 
@@ -126,8 +136,8 @@ def _verified(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame)
     if not isinstance(found, Verified):
         return found
     coarse = max(COARSE, accuracy_of_equations(problem.curve.orbits))
-    rough = events.verify(problem.precise(coarse), type_, near, frame)
+    rough = events.located(problem.precise(coarse), type_, near, frame)
     apart = 0.0
-    if isinstance(rough, Verified):
-        apart = float(np.max(np.abs(rough.z[-2:] - found.z[-2:]) / frame.scale[-2:]))
+    if isinstance(rough, tuple):
+        apart = float(np.max(np.abs(rough[0].z[-2:] - found.z[-2:]) / frame.scale[-2:]))
     return replace(found, error=found.error + apart * float(frame.scale[-1]))

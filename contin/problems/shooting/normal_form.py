@@ -43,12 +43,25 @@ def fold(returns: ReturnMap, factor: int = 1) -> Coefficient:
     pair = null_pair(jet.A - np.eye(jet.n), 1.0, jet.scale)
     manifold = CentreManifold(jet, [pair])
     q, value, size = pair.right.real, manifold.g((2,), 0).real, manifold.magnitude((2,), 0)
-    period = returns.nodes.period
-    slope = returns.slope_of_time(q).real
-    drifts = abs(slope) > SHEARLESS * period * float(np.linalg.norm(q))
-    unit = 1.0 / slope if drifts else float(np.sqrt(returns.unit_without_drift(q))) / period
+    drifts = _drifts(returns, q)
+    unit = length_across_fold(returns, q) / returns.nodes.period
+    if drifts:
+        unit = float(np.copysign(unit, returns.slope_of_time(q).real))
     noise = returns.noise * float(np.linalg.norm(pair.left)) * abs(unit)
     return Coefficient(value * unit, size * abs(unit), drifts, noise)
+
+
+def _drifts(returns: ReturnMap, q: Array) -> bool:
+    """Whether the period changes across the fold, whose eigenvector is q."""
+    size = returns.nodes.period * float(np.linalg.norm(q))
+    return abs(returns.slope_of_time(q).real) > SHEARLESS * size
+
+
+def length_across_fold(returns: ReturnMap, q: Array) -> float:
+    """Of the coordinate along q of the map's fold, in that of the cycle's: w = length xi."""
+    if _drifts(returns, q):
+        return returns.nodes.period / abs(returns.slope_of_time(q).real)
+    return float(np.sqrt(returns.unit_without_drift(q)))
 
 
 def period_doubling(returns: ReturnMap, factor: int = 1) -> Coefficient:

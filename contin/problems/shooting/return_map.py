@@ -21,13 +21,14 @@ from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
 from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.shooting.layout import Nodes
-from contin.problems.shooting.sizes import absolute_tolerances
+from contin.problems.shooting.sizes import ABSOLUTE, absolute_tolerances
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_family import ShotFamily
 
 ACCURACY: Final = 1e-13  # of the trajectories
+HIGHEST: Final = 3  # order of the derivatives
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
 NOISE: Final = 10.0  # trajectories' errors beside their accuracy
 TOGETHER: Final = 1e-7  # of the period: crossings this close are one
@@ -63,7 +64,8 @@ class ReturnMap:
         if not 0.0 < duration < LONGEST * self.nodes.period:
             raise NoDerivatives("a trajectory beside the orbit does not return")
         problem, p = self.problem, self.problem.full_parameters(self.z)
-        atol = absolute_tolerances(problem, self.nodes, p, ACCURACY)
+        beside = ABSOLUTE * ACCURACY * STEP * self.sizes  # states that are zero on the orbit are not beside it
+        atol = np.maximum(absolute_tolerances(problem, self.nodes, p, ACCURACY), beside)
         flight = fly(problem.system, u, p, duration, rtol=ACCURACY, atol=atol, budget=problem.budget, **more)
         if flight.outcome != "done" or flight.touched:
             raise NoDerivatives("a trajectory beside the orbit does not return")
@@ -117,18 +119,27 @@ class ReturnMap:
         return self.jacobian(np.zeros(self.basis.shape[1]))
 
     def _derivative(self, directions: tuple[Array, ...], factor: int) -> Array:
-        """D^k (P, time of return) along real directions, k = 2 or 3; of three at least two are alike."""
+        """D^k (P, time of return) along real directions, k = 2 or 3."""
         if not all(np.any(d) for d in directions):
             return np.zeros(len(directions[0]) + 1)
-        if len(directions) == 3:
+        if len(directions) == HIGHEST:
             a, b, c = directions
-            along, other = (a, c) if np.array_equal(a, b) else (a, b) if np.array_equal(a, c) else (b, a)
-            size = float(np.linalg.norm(along))
-            return np.asarray(self._line(along / size, factor)[1] @ other * elementary.square(size))
+            for along, like, other in ((a, b, c), (a, c, b), (b, c, a)):
+                if np.array_equal(along, like):
+                    return np.asarray(self._bend(along, factor) @ other)
+            bend = self._bend(a + b, factor) - self._bend(a, factor) - self._bend(b, factor)
+            return np.asarray(0.5 * bend @ c)
         known = {line for line, _ in self._lines}
         along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in known)
         size = float(np.linalg.norm(along))  # the form is symmetric: along a line that is known
         return np.asarray(self._line(along / size, factor)[0] @ other * size)
+
+    def _bend(self, direction: Array, factor: int) -> Array:
+        """Second derivative of `jacobian` along a direction of any length."""
+        size = float(np.linalg.norm(direction))
+        if size == 0.0:
+            return np.zeros_like(self._centre)
+        return np.asarray(self._line(direction / size, factor)[1] * elementary.square(size))
 
     def slope_of_time(self, direction: Vector) -> complex:
         """Derivative of the time of return."""

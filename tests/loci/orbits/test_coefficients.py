@@ -39,7 +39,7 @@ def _weighted(weights: np.ndarray, terms: list[str]) -> str:
 
 def point(
     equations: Mapping[str, str], label: str, type_: str, box: Mapping[str, tuple[float, float]], *, factor: str = "1",
-    matrix: np.ndarray | None = None, turn: float = 0.0, period: float = 2 * pi,
+    matrix: np.ndarray | None = None, turn: float = 0.0, period: float = 2 * pi, method: str = "collocation",
 ):  # fmt: skip
     """The first point of a type on the curve of `label` that the circle with the first parameter rising meets.
 
@@ -61,7 +61,7 @@ def point(
         time = np.concatenate([[0.0], np.cumsum(np.diff(angle) * (1 / speed[1:] + 1 / speed[:-1]) / 2)])
         at = np.linspace(0, time[-1], 201)
         u = np.column_stack([np.interp(at, time, column) for column in u.T])
-    orbit = contin.periodic_orbit(model, u, period=period)
+    orbit = contin.periodic_orbit(model, u, period=period, method=method)
     family = contin.continuation(orbit, names[0], box[names[0]])
     seed = next(p for p in family.points if p.type == label)
     branch = contin.continuation(seed.locus(names), names, box)

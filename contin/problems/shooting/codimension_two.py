@@ -1,0 +1,105 @@
+"""Coefficients of points of codimension two of cycles by shooting, up to third order: those of the return map.
+
+They are those of `contin.problems.orbits.normal_forms.codimension_two`, from the derivatives of `ReturnMap`, which are
+differences: with two steps, whose distance is one part of the errors, and the noise of the trajectories another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Vector
+from contin.continuation.problem import Verified
+from contin.machine import elementary
+from contin.normalforms.jet import Jet, Kind, Real
+from contin.normalforms.linear import normalise, singular_vectors
+from contin.normalforms.result import NO_FORM
+from contin.problems.no_derivatives import NoDerivatives
+from contin.problems.orbits.normal_forms.of_return_maps import MeasuredMap, coefficients_of
+from contin.problems.shooting.normal_form import length_across_fold
+from contin.problems.shooting.return_map import HIGHEST, STEP, ReturnMap
+from contin.special.table import special_type
+
+if TYPE_CHECKING:
+    from contin.abi import Array
+    from contin.problems.shooting.shot_family import ShotFamily
+
+SIGNS: Final = 2  # patterns of signs in which the trajectories' noise is added
+
+
+def has_coefficients(type_: str) -> bool:
+    """Whether points of this type have coefficients up to the order of the differences."""
+    row = special_type(type_)
+    return bool(row.powers) and row.order <= HIGHEST
+
+
+def with_coefficients(point: Verified, theta: float, problem: ShotFamily, z: Array, sizes: Array) -> Verified:
+    """The point with coefficients and their errors, or the remark why they could not be computed.
+
+    theta : the angle of the critical multiplier.  z : the orbit in the problem's unknowns.
+    """
+    returns = ReturnMap(problem, z, sizes)
+    try:
+        maps = _measured(returns, 1), _measured(returns, 2)
+        form = coefficients_of(point.type, theta, maps, lambda jet: _with_noise(jet, returns.noise))
+    except (NoDerivatives, *NO_FORM) as reason:
+        return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
+    return replace(point, normal_form=form)
+
+
+def _measured(returns: ReturnMap, factor: int) -> MeasuredMap:
+    def length(rho: complex, jet: Jet) -> float:
+        real = abs(rho.imag) < 8.0 * np.finfo(float).eps
+        value = float(np.sign(rho.real)) if real else rho
+        q = normalise(singular_vectors(jet.A - value * np.eye(jet.n), 1, jet.scale)[0][:, 0])
+        return length_across_fold(returns, q.real) if value == 1.0 else float(np.sqrt(returns.unit(q)))
+
+    return MeasuredMap(returns.jet(factor), returns.nodes.period, length)
+
+
+def _with_noise(jet: Jet, noise: float) -> Sequence[Jet]:
+    """The jet with the errors that differences have from trajectories."""
+    return [NoisyJet(jet, noise, number) for number in range(SIGNS)]
+
+
+@dataclass(frozen=True, eq=False)
+class NoisyJet:
+    """A jet whose third derivatives are off by the noise, in a pattern of signs, and others as steps have them."""
+
+    jet: Jet
+    noise: float  # of a third derivative
+    number: int
+    kind: Kind = "map"
+    parameters: int = 0
+
+    @cached_property
+    def _patterns(self) -> tuple[Real, Real]:
+        random = np.random.default_rng(self.number)
+        return random.choice([-1.0, 1.0], self.n), random.choice([-1.0, 1.0], self.n)
+
+    @property
+    def n(self) -> int:
+        return self.jet.n
+
+    @property
+    def scale(self) -> Real | None:
+        return self.jet.scale
+
+    @property
+    def A(self) -> Real:
+        return self.jet.A
+
+    @property
+    def second_sizes(self) -> Real:
+        return self.jet.second_sizes
+
+    def form(self, *directions: Vector) -> Vector:
+        signs, weights = self._patterns
+        size = self.noise * elementary.pow(STEP, HIGHEST - len(directions))
+        off = np.prod([weights @ d for d in directions]) / np.sqrt(self.n)
+        return np.asarray(self.jet.form(*directions) + size * off * signs)

@@ -1,0 +1,129 @@
+"""Coefficients of points of codimension two of cycles by shooting: return maps that are flows of known equations.
+
+The field of the circle may jump in length where a surface is crossed, which changes times and no return map.
+"""
+
+from __future__ import annotations
+
+import re
+from math import asin, pi
+
+import numpy as np
+import pytest
+
+import contin
+from contin.model.model import Model
+from tests.loci.equilibria.planes import amplitude
+from tests.loci.orbits.test_codim_two import SQUARE, orbit_on_circle, twisted
+from tests.loci.orbits.test_coefficients import CUBIC, PAIR, assert_within, point, resonant
+from tests.loci.orbits.test_interacting_coefficients import fold_form
+
+T = 2 * pi
+SHOT = {"method": "shooting"}
+LEAST = 1e-4  # of a coefficient: errors of differences
+ABOVE = pi - 2 * asin(0.1)  # of a turn, where b > 0.1
+JUMPING = {"factor": "(2 if b > 0.1 else 1)", "period": T - ABOVE / 2}
+
+
+@pytest.mark.parametrize("change", [{}, JUMPING], ids=["smooth", "jumping"])
+def test_flip_torus(change):
+    r = "(e^2 + f^2)"
+    x, y = amplitude("e", "f", f"p + 0.5*{SQUARE} - 0.7*{r}", "0.15")
+    equations = {**twisted(f"p/2 + q + 0.3*{SQUARE} - 0.2*{r}", "-1"), "e": x, "f": y}
+    box = {"p": (-0.15, 0.2), "q": (-0.17, 0.15)}
+    form = point(equations, "NS", "PDNS", box, **SHOT, **change).normal_form
+    if not change:
+        for key, value in {"p11": 0.3, "p12": -0.4, "p21": 0.5, "p22": -1.4}.items():
+            assert_within(form, key, T * value, LEAST)
+    assert_within(form, "theta", 0.4 / 1.4, LEAST)
+    assert_within(form, "delta", 0.5 / 0.3, LEAST)
+    assert form["case"] == "difficult case III"
+
+
+def test_two_tori():
+    one, two = "(c^2 + d^2)", "(e^2 + f^2)"
+    v = amplitude("c", "d", f"p - 0.3*{one} - 0.2*{two}", "0.3")
+    w = amplitude("e", "f", f"p/2 + q - 0.5*{one} - 0.7*{two}", "0.22")
+    box = {"p": (-0.15, 0.2), "q": (-0.17, 0.15)}
+    form = point(dict(zip("cdef", (*v, *w), strict=True)), "NS", "NSNS", box, **SHOT).normal_form
+    for key, value in {"p11": -0.3, "p12": -0.2, "p21": -0.5, "p22": -0.7}.items():
+        assert_within(form, key, 2 * T * value, LEAST)
+    assert form["case"] == "simple case II"
+
+
+@pytest.mark.parametrize("factor", ["1", "(1 + a/2 + 0.3*x)"], ids=["plain", "period"])
+def test_fold_torus(factor):
+    x, y = amplitude("c", "d", "q + 0.2*x + 0.4*x^2 - (c^2 + d^2)", "0.3")
+    form = fold_form({"x": "p - x^2 - 0.8*(c^2 + d^2)", "c": x, "d": y}, "LPNS", factor, **SHOT)
+    assert_within(form, "theta", -0.2, LEAST)
+    assert_within(form, "E", (0.4 + 1.2 / 0.8) / T, LEAST)
+    assert_within(form, "c", 1.0, LEAST)
+    assert form["case"] == "s = 1, theta < 0, torus unstable"
+
+
+def test_fold_flip():
+    flips = twisted(f"q - 0.25*x + 0.4*x^2 - 0.7*{SQUARE}", "-1")
+    form = fold_form({"x": f"p - x^2 + 0.8*{SQUARE}", **flips}, "LPPD", **SHOT)
+    assert_within(form, "a", -4.0, LEAST)
+    assert_within(form, "b", 0.2 * T * T, LEAST)
+    assert_within(form, "c", 16.0, LEAST)
+    assert form["case"].startswith("a < 0, b > 0, invariant curve of the doubled orbit ")
+
+
+@pytest.mark.parametrize("change", [{}, JUMPING], ids=["smooth", "jumping"])
+def test_strong_resonances_of_pairs(change):
+    """As those by collocation: a = Re C / (6 pi B^2) of R3, A0 = C / |D| of R4."""
+    form = point(resonant(0.5, 2), "NS", "R3", {**PAIR, "q": (0.3, 0.36)}, **SHOT, **change).normal_form
+    assert_within(form, "a", -CUBIC[0] / (6 * pi * 0.25), LEAST)
+    assert form["case"] == "invariant circle stable"
+    form = point(resonant(0.6, 3), "NS", "R4", {**PAIR, "q": (0.22, 0.28)}, **SHOT, **change).normal_form
+    assert_within(form, "A0", [-CUBIC[0] / 0.6, -CUBIC[1] / 0.6], LEAST)
+    assert form["case"] == "|A0| < 1"
+
+
+def test_one_to_two_resonance():
+    box = {"p": (-0.15, 0.15), "q": (-0.15, 0.12)}
+    equations = twisted("0", f"q - 0.8*{SQUARE}", along_by_z="1", across_by_s=f"p - 0.5*{SQUARE}")
+    form = point(equations, "PD", "R2", box, **SHOT).normal_form
+    assert_within(form, "C1", -0.5 * (4 * pi) ** 2, LEAST)
+    assert_within(form, "D1", -0.8 * 4 * pi, LEAST)
+    assert form["case"] == "C1 < 0, D1 < 0"
+
+
+def test_one_to_one_resonance():
+    form = fold_form({"x": "y", "y": "p - x^2 + q*y + x*y"}, "R1", **SHOT)
+    assert_within(form, "a", -(T**2), LEAST)
+    assert_within(form, "b", T - 2 * T**2, LEAST)
+    assert form["s"] == -1
+
+
+def test_cusp():
+    """x' = p + q x - 0.3 x^3 over 2 pi: x -> x - 0.3 T x^3."""
+    orbit = orbit_on_circle({"x": "p + q*x - 0.3*x^3"}, {"p": 0.6, "q": 0.8}, 1.887, "shooting")
+    family = contin.continuation(orbit, "p", (-1.5, 1))
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1.5, 1), "q": (-0.5, 1.5)})
+    assert_within(folds["CPC1"].normal_form, "c", -0.3, LEAST)
+
+
+def test_points_of_fifth_order_have_a_note():
+    box = {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}
+    equations = twisted(f"p + q*{SQUARE} - 0.7*({SQUARE})^2", "-1")
+    assert point(equations, "PD", "GPD", box, **SHOT).normal_form == {}
+
+
+def test_forced_cycles():
+    """y' = p - y^2 + 0.8 s^2, s' = (q - 0.25 y - 0.7 s^2) s, y = x - 1; s turns half round in a forcing period."""
+    turning = {"a": "cos(t)", "b": "sin(t)"}
+    plane = twisted(f"q - 0.25*(x - 1) - 0.7*{SQUARE}", "-1")
+    equations = {n: re.sub(r"\b[ab]\b", lambda m: turning[m.group()], text) for n, text in plane.items()}
+    square = re.sub(r"\b[ab]\b", lambda m: turning[m.group()], SQUARE)
+    equations["x"] = f"p - (x - 1)^2 + 0.8*{square}"
+    model = Model("forced", states={"x": 1.5, "c": 0.0, "d": 0.0}, parameters={"p": 0.25, "q": -0.3},
+                  equations=equations, forcing={"period": "2*pi"})  # fmt: skip
+    start = np.tile([1.5, 0.0, 0.0], (101, 1))
+    orbit = contin.periodic_orbit(model, start, period=T, **SHOT)
+    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down")
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-0.5, 0.5), "q": (-0.3, 0.4)})
+    form = next(p for p in folds.points if p.type == "LPPD").normal_form
+    assert_within(form, "a", -4.0, LEAST)
+    assert_within(form, "b", 0.2 * T * T, LEAST)
