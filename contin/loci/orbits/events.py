@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
-SOME: Final = "cycles by shooting, with algebraic states, or on curves of BPC"
+SOME: Final = "cycles with algebraic states, or on curves of BPC or of touching orbits"
 ALONG: Final = 10.0  # a point on a curve moves along it, too, when the equations change: no more than that is presumed
 
 

@@ -20,6 +20,7 @@ from contin.loci.shooting.curve import ShootingCurve
 from contin.loci.shooting.grazing import GrazingCurve
 from contin.loci.shooting.sensitivity import error_of_equations
 from contin.loci.shooting.shot_curves import OfShotOrbits
+from contin.machine import elementary
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.codimension_two import has_coefficients, with_coefficients
 from contin.problems.shooting.events import COARSE, FINE
@@ -96,12 +97,15 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         return None
 
     def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
-        """By differences of the return map; of types up to their order, on curves of LPC, PD and NS."""
+        """By differences of the return map, on curves of LPC, PD and NS."""
         if self.locus == "BPC" or self.curve.touched is not None or not has_coefficients(point.type):
             return point
         orbits, orbit = self.curve.at(point.z), self.curve.orbit(point.z)
         sizes = orbits.sizes(orbit, self.curve.orbit(frame.scale))
-        return with_coefficients(point, ANGLES.get(point.type, 0.0), orbits, orbit, sizes)
+        theta = ANGLES.get(point.type, 0.0)
+        if point.type == "CH":
+            theta = float(elementary.acos(np.clip(self.curve.further(point.z), -1.0, 1.0)))
+        return with_coefficients(point, theta, orbits, orbit, sizes)
 
     def error_of_equations(self, z: Array, scale: Array) -> float:
         return error_of_equations(self.curve, z, scale) if isinstance(self.curve, ShootingCurve) else 0.0

@@ -1,4 +1,4 @@
-"""Coefficients of points of codimension two of cycles by shooting, up to third order: those of the return map.
+"""Coefficients of points of codimension two of cycles by shooting: those of the return map.
 
 They are those of `contin.problems.orbits.normal_forms.codimension_two`, from the derivatives of `ReturnMap`, which are
 differences: with two steps, whose distance is one part of the errors, and the noise of the trajectories another.
@@ -6,7 +6,7 @@ differences: with two steps, whose distance is one part of the errors, and the n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
@@ -15,14 +15,13 @@ import numpy as np
 
 from contin.abi import Vector
 from contin.continuation.problem import Verified
-from contin.machine import elementary
 from contin.normalforms.jet import Jet, Kind, Real
 from contin.normalforms.linear import normalise, singular_vectors
 from contin.normalforms.result import NO_FORM
 from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.orbits.normal_forms.of_return_maps import MeasuredMap, coefficients_of
 from contin.problems.shooting.normal_form import length_across_fold
-from contin.problems.shooting.return_map import HIGHEST, STEP, ReturnMap
+from contin.problems.shooting.return_map import HIGHEST, ReturnMap
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def with_coefficients(point: Verified, theta: float, problem: ShotFamily, z: Arr
     returns = ReturnMap(problem, z, sizes)
     try:
         maps = _measured(returns, 1), _measured(returns, 2)
-        form = coefficients_of(point.type, theta, maps, lambda jet: _with_noise(jet, returns.noise))
+        form = coefficients_of(point.type, theta, maps, lambda jet: _with_noise(jet, returns))
     except (NoDerivatives, *NO_FORM) as reason:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
     return replace(point, normal_form=form)
@@ -62,17 +61,17 @@ def _measured(returns: ReturnMap, factor: int) -> MeasuredMap:
     return MeasuredMap(returns.jet(factor), returns.nodes.period, length)
 
 
-def _with_noise(jet: Jet, noise: float) -> Sequence[Jet]:
+def _with_noise(jet: Jet, returns: ReturnMap) -> Sequence[Jet]:
     """The jet with the errors that differences have from trajectories."""
-    return [NoisyJet(jet, noise, number) for number in range(SIGNS)]
+    return [NoisyJet(jet, returns.noise_of, number) for number in range(SIGNS)]
 
 
 @dataclass(frozen=True, eq=False)
 class NoisyJet:
-    """A jet whose third derivatives are off by the noise, in a pattern of signs, and others as steps have them."""
+    """A jet whose derivatives are off by the noise of their order, in a pattern of signs."""
 
     jet: Jet
-    noise: float  # of a third derivative
+    noise: Callable[[int], float]
     number: int
     kind: Kind = "map"
     parameters: int = 0
@@ -100,6 +99,5 @@ class NoisyJet:
 
     def form(self, *directions: Vector) -> Vector:
         signs, weights = self._patterns
-        size = self.noise * elementary.pow(STEP, HIGHEST - len(directions))
-        off = np.prod([weights @ d for d in directions]) / np.sqrt(self.n)
-        return np.asarray(self.jet.form(*directions) + size * off * signs)
+        off = self.noise(len(directions)) * np.prod([weights @ d for d in directions]) / np.sqrt(self.n)
+        return np.asarray(self.jet.form(*directions) + off * signs)

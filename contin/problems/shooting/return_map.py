@@ -1,17 +1,19 @@
-"""Second and third derivatives of the return map of an orbit, by differences of its Jacobian: what criticality needs.
+"""Derivatives of the return map of an orbit, by differences of its Jacobian: what normal forms need.
 
 The map takes the section of the first node to itself (a forced system: the states after a period), in coordinates y of
 unit vectors in the metric of the states' sizes. Its Jacobian is made of variations with their jumps at the crossings,
 so that the map has the derivatives of its smooth pieces; where two surfaces are crossed together it has none. The time
 of return is one more function of y, whose gradient is the last row. Differences with steps h and, as a measure of
-their error, 2 h: `jet(1)` and `jet(2)`. Cost: six Jacobians for every direction, each some two trajectories over a
-period with n variations.
+their error, 2 h: `jet(1)` and `jet(2)`. Cost: six Jacobians for every direction (nine more for derivatives of fourth
+and fifth order), each some two trajectories over a period with n variations.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
+from math import factorial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -28,7 +30,8 @@ if TYPE_CHECKING:
     from contin.problems.shooting.shot_family import ShotFamily
 
 ACCURACY: Final = 1e-13  # of the trajectories
-HIGHEST: Final = 3  # order of the derivatives
+HIGHEST: Final = 5  # order of the derivatives
+LONG_STEP: Final = 1e-2  # ... of those of fourth and fifth order: rounding ACCURACY/LONG_STEP^4
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
 NOISE: Final = 10.0  # trajectories' errors beside their accuracy
 TOGETHER: Final = 1e-7  # of the period: crossings this close are one
@@ -45,7 +48,8 @@ class ReturnMap:
     z: Array
     sizes: Array
     _lines: dict[tuple[bytes, int], tuple[Array, ...]] = field(default_factory=dict)
-    _beside: dict[tuple[bytes, int], Array] = field(default_factory=dict)
+    _long_lines: dict[tuple[bytes, int], tuple[Array, ...]] = field(default_factory=dict)
+    _beside: dict[tuple[bytes, float], Array] = field(default_factory=dict)
 
     @cached_property
     def nodes(self) -> Nodes:
@@ -97,10 +101,10 @@ class ReturnMap:
         scaled = (through @ flight.variations) * self.sizes / self.sizes[:, None]
         return np.vstack([self.basis.T @ scaled, times]) @ self.basis
 
-    def _at(self, direction: Array, k: int) -> Array:
-        key = direction.tobytes(), k
+    def _at(self, direction: Array, k: int, step: float = STEP) -> Array:
+        key = direction.tobytes(), k * step
         if key not in self._beside:
-            self._beside[key] = self.jacobian(k * STEP * direction)
+            self._beside[key] = self.jacobian(k * step * direction)
         return self._beside[key]
 
     def _line(self, direction: Array, factor: int) -> tuple[Array, ...]:
@@ -118,28 +122,54 @@ class ReturnMap:
     def _centre(self) -> Array:
         return self.jacobian(np.zeros(self.basis.shape[1]))
 
+    def _long_line(self, direction: Array, factor: int) -> tuple[Array, ...]:
+        """Third and fourth derivative of `jacobian` along a unit direction, by steps of `factor` LONG_STEP."""
+        key = direction.tobytes(), factor
+        if key not in self._long_lines:
+            h = factor * LONG_STEP
+            odd, even = {}, {}
+            for k in (1, 2, 3):
+                ahead, behind = (self._at(direction, factor * sign * k, LONG_STEP) for sign in (1, -1))
+                odd[k], even[k] = ahead - behind, ahead + behind
+            third = (8.0 * odd[2] - odd[3] - 13.0 * odd[1]) / (8.0 * elementary.pow(h, 3))
+            fourth = (12.0 * even[2] - even[3] - 39.0 * even[1] + 56.0 * self._centre) / (6.0 * elementary.pow(h, 4))
+            self._long_lines[key] = third, fourth
+        return self._long_lines[key]
+
     def _derivative(self, directions: tuple[Array, ...], factor: int) -> Array:
-        """D^k (P, time of return) along real directions, k = 2 or 3."""
+        """D^k (P, time of return) along real directions, 2 <= k <= `HIGHEST`."""
         if not all(np.any(d) for d in directions):
             return np.zeros(len(directions[0]) + 1)
-        if len(directions) == HIGHEST:
-            a, b, c = directions
-            for along, like, other in ((a, b, c), (a, c, b), (b, c, a)):
-                if np.array_equal(along, like):
-                    return np.asarray(self._bend(along, factor) @ other)
-            bend = self._bend(a + b, factor) - self._bend(a, factor) - self._bend(b, factor)
-            return np.asarray(0.5 * bend @ c)
-        known = {line for line, _ in self._lines}
-        along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in known)
-        size = float(np.linalg.norm(along))  # the form is symmetric: along a line that is known
-        return np.asarray(self._line(along / size, factor)[0] @ other * size)
+        if len(directions) == 2:
+            known = {line for line, _ in self._lines}
+            along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in known)
+            return np.asarray(self._bend((along,), factor) @ other)  # symmetric: along a line that is known
+        often = [sum(np.array_equal(d, e) for e in directions) for d in directions]
+        last = int(np.argmin(often))
+        return np.asarray(self._bend((*directions[:last], *directions[last + 1 :]), factor) @ directions[last])
 
-    def _bend(self, direction: Array, factor: int) -> Array:
-        """Second derivative of `jacobian` along a direction of any length."""
+    def _bend(self, directions: tuple[Array, ...], factor: int) -> Array:
+        """The derivative of `jacobian` along so many directions, from those along single lines (polarisation)."""
+        first, *rest = directions
+        order = len(directions)
+        if all(np.array_equal(d, first) for d in rest):
+            return self._straight(first, order, factor)
+        total = np.zeros_like(self._centre)
+        for signs in product((1.0, -1.0), repeat=order - 1):
+            along = first + sum(sign * d for sign, d in zip(signs, rest, strict=True))
+            total = total + float(np.prod(signs)) * self._straight(along, order, factor)
+        return total / (2.0 ** (order - 1) * factorial(order))
+
+    def _straight(self, direction: Array, order: int, factor: int) -> Array:
+        """The derivative of `jacobian` of an order along a direction of any length."""
         size = float(np.linalg.norm(direction))
         if size == 0.0:
             return np.zeros_like(self._centre)
-        return np.asarray(self._line(direction / size, factor)[1] * elementary.square(size))
+        unit = direction / size
+        if unit[int(np.argmax(np.abs(unit)))] < 0.0:
+            unit, size = -unit, -size
+        found = self._line(unit, factor)[order - 1] if order < 3 else self._long_line(unit, factor)[order - 3]
+        return np.asarray(found * elementary.pow(size, order))
 
     def slope_of_time(self, direction: Vector) -> complex:
         """Derivative of the time of return."""
@@ -152,8 +182,13 @@ class ReturnMap:
 
     @property
     def noise(self) -> float:
-        """Rounding errors of the highest derivatives, in the coordinates."""
-        return NOISE * ACCURACY / elementary.square(STEP) * float(np.abs(self._centre).max())
+        """Rounding errors of third derivatives, in the coordinates."""
+        return self.noise_of(3)
+
+    def noise_of(self, order: int) -> float:
+        """Rounding errors of derivatives of an order, in the coordinates."""
+        step = STEP if order <= 3 else LONG_STEP
+        return NOISE * ACCURACY / elementary.pow(step, order - 1) * float(np.abs(self._centre).max())
 
     def jet(self, factor: int = 1) -> DerivativeJet:
         """The derivatives as a normal form wants them; raises `NoDerivatives`."""

@@ -105,10 +105,22 @@ def test_cusp():
     assert_within(folds["CPC1"].normal_form, "c", -0.3, LEAST)
 
 
-def test_points_of_fifth_order_have_a_note():
+def test_degenerate_period_doubling():
+    """s' = p s + q s^3 - 0.7 s^5 in the turning plane: derivatives of fifth order."""
     box = {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}
-    equations = twisted(f"p + q*{SQUARE} - 0.7*({SQUARE})^2", "-1")
-    assert point(equations, "PD", "GPD", box, **SHOT).normal_form == {}
+    form = point(twisted(f"p + q*{SQUARE} - 0.7*({SQUARE})^2", "-1"), "PD", "GPD", box, **SHOT).normal_form
+    assert_within(form, "e", -0.7, 1e-3)
+    assert "case" not in form
+
+
+@pytest.mark.parametrize("change", [{}, JUMPING], ids=["smooth", "jumping"])
+def test_degenerate_torus(change):
+    """v' = (p + q R - 0.7 R^2 + i (0.3 + R/10)) v with R = |v|^2 = 2 |xi|^2, over 2 pi, as a rate."""
+    x, y = amplitude("c", "d", "p + q*(c^2 + d^2) - 0.7*(c^2 + d^2)^2", "(0.3 + 0.1*(c^2 + d^2))")
+    box = {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}
+    form = point({"c": x, "d": y}, "NS", "CH", box, **SHOT, **change).normal_form
+    assert_within(form, "l2", -2.8 * T / change.get("period", T), 1e-3)
+    assert "case" not in form
 
 
 def test_forced_cycles():
