@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Protocol, cast
+from typing import Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,9 @@ class Decisions:
     wanted : length of the first correction that sets the next step, which is of the order `order` in the step.
     iterations : above so many the step shrinks.  guarded, dips : first test that is compared with its prediction, and
     that is looked at for dips.  signed : tests that change sign or vanish are not compared.
+    close : a matrix serves again for points this near, ...  patience : ... for so many corrections that are left at the
+    rate of the last two.  old : the last step's serves for a first correction below this part of the step.
+    off : tangents and tests want a matrix from no farther than that.
     """
 
     wanted: float = 0.02
@@ -44,6 +47,10 @@ class Decisions:
     guarded: int = 1
     signed: bool = False
     dips: int = 0
+    close: float = CLOSE
+    patience: float = np.inf
+    old: float = np.inf
+    off: float = np.inf
 
 
 EQUILIBRIA = Decisions()
@@ -77,6 +84,13 @@ class Judged(Protocol):
         """True where what is left of every equation is small beside its linear terms."""
 
 
+class Correcting(Protocol):
+    """A linearisation that solves for corrections as precisely as Newton's method can use."""
+
+    def correction(self, right: Array) -> Array:
+        """See `Linearisation.solve`."""
+
+
 class Telling(Protocol):
     """A linearisation from which stability and tests at the point that it leads to are read, not from the point."""
 
@@ -95,6 +109,16 @@ class Correctable(Protocol):
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Linearisation | None:
         """None where the equations are not finite."""
+
+
+@runtime_checkable
+class Sparing(Correctable, Protocol):
+    """A problem whose matrices cost so many solves that they serve for more than one correction."""
+
+    decisions: Decisions
+
+    def again(self, here: Linearisation, z: Array) -> Linearisation | None:
+        """The same matrix with the residual at another point."""
 
 
 class Marchable(Correctable, Protocol):
@@ -128,19 +152,24 @@ Again = Callable[[Linearisation, Array], Linearisation | None]  # the same matri
 def correct(
     problem: Correctable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float,
     again: Again | None = None, before: Linearisation | None = None,
+    decisions: Decisions = EQUILIBRIA,
 ) -> Corrected | Failure:  # fmt: skip
     """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; or why it failed.
 
     With `again`, matrices serve twice: that of the last step (`before`) for the first iteration, and the first new one
-    for what is left to correct after it. The result's own matrix is from within `CLOSE` of the point.
+    for what is left to correct after it, as far as `decisions` say. The result's own matrix is from nearby.
     """
     size_before, first, off = np.inf, 0.0, 0.0
+    far = min(FAR, decisions.old * abs(length)) if length else FAR
+    close, slow = decisions.close, False  # slow: at the last rate, chords would be too many
     once_more = True  # where the last matrix may be another one than that of the point
     here, fresh, compare = before, False, False  # compare: the last step was Newton's, so this one must be shorter
-    for iteration in range(1, NEWTON_LIMIT + 1):
+    limit = NEWTON_LIMIT if decisions.patience == np.inf else NEWTON_LIMIT + int(decisions.patience)
+    for iteration in range(1, limit + 1):
         z = z0 + scale * y
         now = None
-        if again is not None and here is not None and (not fresh or size_before < CLOSE) and (fresh or iteration == 1):
+        serves = size_before < close and not slow if fresh else iteration == 1
+        if again is not None and here is not None and serves:
             now = again(here, z)
         chord = now is not None
         if now is None:
@@ -149,9 +178,10 @@ def correct(
             return Failure.NOT_FINITE
         if now.sign == 0:
             return Failure.SINGULAR
-        step = now.solve(np.append(-now.residual, length - dot(tangent, y)))
+        solve = cast(Correcting, now).correction if _offers(type(now), "correction") else now.solve
+        step = solve(np.append(-now.residual, length - dot(tangent, y)))
         size = norm(step)
-        if not fresh and not size < FAR:  # too far for the old matrix
+        if not fresh and not size < far:  # too far for the old matrix
             here = None
             continue
         if not size < 1e3:
@@ -162,8 +192,9 @@ def correct(
         first = size if first == 0.0 else first
         ratio = size / size_before if size_before > 0.0 else 0.0
         left = size * ratio if chord else size * ratio * ratio
+        slow = chord and _too_slow(size, ratio, tolerance, decisions.patience)
         met = not _offers(type(now), "met") or cast(Judged, now).met
-        done = size <= tolerance and (met or not once_more or iteration == NEWTON_LIMIT)
+        done = size <= tolerance and (met or not once_more or iteration == limit)
         done = done or (met and size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
         if not done and compare and ratio > 0.5:
             if not (size < STAGNATION and first > size):
@@ -179,6 +210,11 @@ def correct(
             return Corrected(z0 + scale * y, y, last, first, iterations, 0.0 if made is None else off)
         size_before, compare = size, fresh
     return Failure.NO_CONVERGENCE
+
+
+def _too_slow(size: float, ratio: float, tolerance: float, patience: float) -> bool:
+    """Whether corrections that fall by `ratio` take more than `patience` to reach a tolerance."""
+    return patience < np.inf and (ratio >= 1.0 or size * ratio**patience > tolerance)
 
 
 def with_one_fixed(
@@ -325,7 +361,8 @@ def _step(
         bend = 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and curved else 0.0
         guess = h * last.tangent + bend
         found = correct(
-            problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest
+            problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest,
+            decisions,
         )  # fmt: skip
         if not isinstance(found, Failure) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
             found = Failure.ELSEWHERE
@@ -336,6 +373,11 @@ def _step(
             h = max(0.5 * h, settings.min_step)
             continue
         evaluations += found.iterations
+        if found.off > decisions.off:
+            there = problem.linearisation(found.z, last.tangent, scale)
+            if there is None:
+                return _Refused(Stop.NOT_FINITE, h, evaluations)
+            found = replace(found, last=there, off=0.0)
         sample = measure(problem, found, reference)
         cosine = dot(last.tangent, sample.tangent)
         verdict = steering.judged(

@@ -11,6 +11,7 @@ from contin.abi import Vector
 from contin.linalg.vectors import norm
 
 Operator = Callable[[Vector], Vector]
+Learn = Callable[[Vector, Vector, Vector], None]  # of D (k, n), V (k + 1, n), H (k + 1, k) with apply(D^T) = V^T H
 
 TOLERANCE = 1e-11  # of the residual, relative to the right-hand side; Newton steps and tangents need less
 COARSE = 1e-7
@@ -35,13 +36,13 @@ class Accuracy:
 
 def gmres(
     apply: Operator, precondition: Operator, right: Vector, tolerance: float = TOLERANCE, guess: Vector | None = None,
-    accuracy: Accuracy | None = None,
+    accuracy: Accuracy | None = None, learn: Learn | None = None,
 ) -> tuple[Vector, int, float]:  # fmt: skip
     """x with apply(x) = right, by flexible GMRES (Saad 1993); returns x, iterations, relative residual.
 
     The search stops at `tolerance`, where the `accuracy` is met (the residual returned is then at most `tolerance`), or
     where the residual does not fall any more. A `guess` is improved even where it meets the tolerance, by `GAINED`: the
-    difference from it is what matters to whoever has one.
+    difference from it is what matters to whoever has one. `learn` is told the relation of every cycle.
     """
     size = norm(right)
     if size == 0.0:
@@ -60,7 +61,7 @@ def gmres(
             return x, used, beta / size
         before = beta
         check = None if accuracy is None else _Check(accuracy, x)
-        update, steps, left = _cycle(apply, precondition, residual / beta, beta, tolerance * size, check)
+        update, steps, left = _cycle(apply, precondition, residual / beta, beta, tolerance * size, check, learn)
         x = x + update
         used += steps
         if check is not None and check.met:
@@ -86,8 +87,9 @@ class _Check:
 
 
 def _cycle(
-    apply: Operator, precondition: Operator, v: Vector, beta: float, goal: float, check: _Check | None
-) -> tuple[Vector, int, float]:
+    apply: Operator, precondition: Operator, v: Vector, beta: float, goal: float, check: _Check | None,
+    learn: Learn | None,
+) -> tuple[Vector, int, float]:  # fmt: skip
     """One cycle of at most RESTART steps: the update of x, the number of steps, the norm of the residual left."""
     kind = v.dtype
     basis, directions = np.empty((FIRST_BASIS, len(v)), kind), np.empty((FIRST_BASIS, len(v)), kind)
@@ -111,11 +113,13 @@ def _cycle(
         e[0] = beta
         y, *_ = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], e, rcond=None)
         left = float(np.linalg.norm(e - hessenberg[: k + 2, : k + 1] @ y))
-        met = check is not None and check(y, directions[: k + 1], left)
-        if met or left <= goal or length <= 1e-14 * beta:
-            break
         if k + 1 == len(basis):
             basis = np.concatenate([basis, np.empty_like(basis)])
             directions = np.concatenate([directions, np.empty_like(directions)])
-        basis[k + 1] = w / length
+        basis[k + 1] = w / length if length > 0.0 else 0.0
+        met = check is not None and check(y, directions[: k + 1], left)
+        if met or left <= goal or length <= 1e-14 * beta:
+            break
+    if learn is not None:
+        learn(directions[:steps], basis[: steps + 1], hessenberg[: steps + 1, :steps])
     return np.einsum("i,ij->j", y, directions[:steps]), steps, left

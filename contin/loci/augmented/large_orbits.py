@@ -86,7 +86,7 @@ class LargeOrbitBase(Base):
             base = self.problem.base.copy()
             base[self.second] = latest.second = float(z[-2])
             latest.problem = self.problem.at_constants(base)
-            self.problem.memory.last = None  # factors of another value
+            self.problem.memory.solvers = None  # factors of another value
         return latest.problem
 
     def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:

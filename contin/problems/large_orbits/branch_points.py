@@ -94,7 +94,12 @@ def _samples(
     """Orbits at these distances from the base, and the logarithm of their multiplier."""
     points, values = [], []
     for s in places.tolist():
-        at = point_at(problem, base, s, base.z + s * line, frame)
+        guess = base.z + s * line
+        if len(points) == 1:
+            guess = points[0].z + (s - places[0]) * line
+        elif points:
+            guess = _interpolated(places[: len(points)], np.array([at.z for at in points]), s)
+        at = point_at(problem, base, s, guess, frame)
         if at is None:
             return None
         points.append(at)
@@ -109,7 +114,9 @@ def _interpolated(x: Array, y: Array, at: float) -> Array:
 
 
 def _zero(x: Array, y: Array) -> float:
-    """Where y vanishes, by inverse interpolation."""
+    """Where y vanishes, by inverse interpolation; NaN where it takes a value twice."""
+    if len(np.unique(y)) < len(y):
+        return float("nan")
     return float(_interpolated(y, x, 0.0))
 
 

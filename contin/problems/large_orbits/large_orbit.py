@@ -26,6 +26,8 @@ from contin.problems.large_orbits.from_starts import FromStarts
 from contin.problems.large_orbits.large_orbit_equations import (
     TOLERANCE,
     LargeOrbitEquations,
+    OrbitLinearisation,
+    Solvers,
 )
 from contin.problems.large_orbits.layout import Layout, OnPoints
 from contin.problems.large_orbits.multipliers import tests_of
@@ -36,6 +38,25 @@ from contin.problems.scales import parameter_width
 INTERVALS: Final = 20
 PERIOD_SCALE: Final = 1.0
 COARSE_MESH: Final = 1e-3  # error of the trivial multiplier that is told
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """A problem as a march sees it: linearisations whose tangents are as precise as its points."""
+
+    problem: LargeOrbitProblem
+
+    @property
+    def angle_periods(self) -> Array:
+        return self.problem.angle_periods
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> OrbitLinearisation | None:
+        """See `LargeOrbitEquations`."""
+        return self.problem.linearisation(z, tangent, scale, rough=True)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """See `LargeOrbitProblem`."""
+        return self.problem.stability(z)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,11 +130,16 @@ class LargeOrbitProblem(LargeOrbitEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
+        self.memory.solvers = frame.gauge if isinstance(frame.gauge, Solvers) else None
         self.prepare(origin.z)
         self.settle(origin.z, origin.tangent, frame.scale)
         self.memory.origin = origin
         limit = min(limit, self.maximum_chunk)
-        chunk = python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = python_march.march(
+            Marched(self), origin, before, length, frame, step, limit, bounds, settings, loop, self.again,
+            decisions=self.decisions,
+        )  # fmt: skip
+        chunk = replace(chunk, gauge=self.memory.solvers)
         return cut_at_birth(self, chunk, frame, settings)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
+from contin.continuation import march as python_march
 from contin.continuation.problem import Frame, Sample
 from contin.linalg.factor import Factoriser
+from contin.linalg.recycled import Recycled
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 from contin.problems.large_orbits.layout import Layout
 from contin.problems.large_orbits.multipliers import leading
 from contin.problems.large_orbits.points import Points
 from contin.problems.large_orbits.radau import A, Trajectory
-from contin.problems.large_orbits.sweeps import Closed, Sweeps
+from contin.problems.large_orbits.sweeps import Closed, Sweeps, Wanted
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.special_points import At, point_at
@@ -28,7 +30,24 @@ from contin.systems.functions.function_system import FunctionSystem
 SMALL: Final = 1e-8  # amplitude (scaled) below which an orbit has no phase of its own
 SAME: Final = 1e-8  # scaled distance up to which factors serve for multipliers
 TOLERANCE: Final = 1e-11
+FORCED: Final = 0.1  # of the square of a correction: the part of the next one that GMRES may leave (Eisenstat and
+# Walker 1996), so that corrections fall as Newton's do, ...
+CHORD: Final = 0.01  # ... and of a correction by the matrix of another point, which does not fall as fast
+TANGENT: Final = 1e-9  # error of tangents that a march steps along
+DECISIONS: Final = python_march.Decisions(iterations=7.0, close=0.01, patience=4.0, old=0.1, off=1e-9)
 Moved = Callable[[Array], Array]
+Multipliers = tuple[NDArray[np.complex128], NDArray[np.complex128]]  # and their vectors
+
+
+@dataclass(eq=False)
+class Solvers:
+    """The factors of one point, and what solves with them, and with those of points nearby, have learnt."""
+
+    z: Array
+    sweeps: Sweeps
+    answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # to dT and dp, by the places of parameters
+    recycled: dict[int, Recycled] = field(default_factory=dict)  # by the number of conditions
+    leading: Multipliers | None = None
 
 
 @dataclass(eq=False)
@@ -37,26 +56,31 @@ class Memory:
 
     reference: Array | None = None  # states
     direction: Array | None = None  # of the phase condition, normalised in scaled unknowns
-    last: Array | None = None  # z
-    sweeps: Sweeps | None = None
+    solvers: Solvers | None = None
     factoriser: Factoriser = field(default_factory=Factoriser)
     origin: Sample | None = None  # of the last march, well away from what it leads to
 
 
 @dataclass(frozen=True, eq=False)
 class OrbitLinearisation:
-    """Scaled residual, and [J; rows] in scaled unknowns: one row (the tangent), or more where parameters vary."""
+    """Scaled residual, and [J; rows] in scaled unknowns: one row (the tangent), or more where parameters vary.
+
+    rough : for a march, which needs points and tangents to its own tolerance.  chord : the residual is that of another point.
+    """
 
     residual: Array
     closed: Closed
     scale: Array
     layout: Layout
     again: bool = False
+    rough: bool = False
+    chord: bool = False
     sign: float = 1.0
 
     @cached_property
     def _null(self) -> Array:
-        return self._solved(np.append(np.zeros(len(self.scale) - 1), 1.0), again=True)
+        right = np.append(np.zeros(len(self.scale) - 1), 1.0)
+        return self._solved(right, wanted=_tangents) if self.rough else self._solved(right, again=True)
 
     @property
     def log_determinant(self) -> float:
@@ -75,11 +99,17 @@ class OrbitLinearisation:
             return self._null
         return self._solved(right, self.again)
 
-    def _solved(self, right: Array, again: bool = False) -> Array:
+    def correction(self, right: Array) -> Array:
+        """The same for Newton's method, as far as the next correction does not undo it."""
+        if not self.rough:
+            return self._solved(right, self.again)
+        return self._solved(right, wanted=_chords if self.chord else _corrections)
+
+    def _solved(self, right: Array, again: bool = False, wanted: Wanted | None = None) -> Array:
         k = self.rows
         states = right[:-k] * self.scale[:-k]
         sides = self.closed_sides(states) if states.any() else (None, None)
-        x, rest, _ = self.closed.solve(*sides, right[-k:], again)
+        x, rest, _ = self.closed.solve(*sides, right[-k:], again, wanted)
         return np.concatenate([x, rest]) / self.scale
 
     def closed_sides(self, states: Array) -> tuple[Array | None, dict[int, Vector] | None]:
@@ -91,6 +121,18 @@ class OrbitLinearisation:
         """M x = a right side (N, 3, n) of the stages, in scaled unknowns."""
         x, rest, _ = self.closed.solve(stages, None, np.zeros(self.rows), self.again)
         return np.concatenate([x, rest]) / self.scale
+
+
+def _corrections(length: float) -> float:
+    return FORCED * length * min(length, 1.0)
+
+
+def _chords(length: float) -> float:
+    return CHORD * length
+
+
+def _tangents(length: float) -> float:
+    return TANGENT * length
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +150,7 @@ class LargeOrbitEquations(InOneParameterProblem):
     is_map = True
     adaptive = True  # tests of a discretised problem: what is found beside a point is told apart down to 1e-4
     maximum_chunk = 2
+    decisions = DECISIONS  # the factors of all intervals cost some fifteen times round the orbit, a correction four
 
     @cached_property
     def source(self) -> JacobianSource:
@@ -178,8 +221,8 @@ class LargeOrbitEquations(InOneParameterProblem):
 
     def prepare(self, z: Array) -> None:
         """Called where a march sets out from z: what the mesh is made for."""
-        self.layout.prepare(self.points, self.full_parameters(z), z[:-2], float(z[-2]))
-        self.memory.last = None
+        if self.layout.prepare(self.points, self.full_parameters(z), z[:-2], float(z[-2])):
+            self.memory.solvers = None
 
     def _unsettled(self) -> bool:
         return self.memory.direction is None
@@ -195,19 +238,26 @@ class LargeOrbitEquations(InOneParameterProblem):
 
     def sweeps(self, z: Array) -> Sweeps | None:
         """Factors at z; None where an equation is not finite."""
+        found = self.solvers(z)
+        return None if found is None else found.sweeps
+
+    def solvers(self, z: Array) -> Solvers | None:
+        """The same, with what solves have learnt."""
         memory = self.memory
-        if memory.last is not None and np.array_equal(memory.last, z):
-            return memory.sweeps
+        if memory.solvers is not None and np.array_equal(memory.solvers.z, z):
+            return memory.solvers
         orbit, p = self.profile(z), self.full_parameters(z)
         if not np.all(np.isfinite(orbit.U)):
             return None
         found = self.points.jacobians(orbit.U.reshape(-1, self.n), p)
         if found is None:
             return None
-        lengths = orbit.period * orbit.h
-        memory.last, memory.sweeps = z.copy(), Sweeps.of(found, lengths, memory.factoriser, self.source.mass)
-        self.layout.remember(memory.sweeps)
-        return memory.sweeps
+        recycled = {} if memory.solvers is None else memory.solvers.recycled
+        memory.solvers = None  # what takes so much memory is let go of before the next is made
+        sweeps = Sweeps.of(found, orbit.period * orbit.h, memory.factoriser, self.source.mass)
+        memory.solvers = Solvers(z.copy(), sweeps, recycled=recycled)
+        self.layout.remember(sweeps)
+        return memory.solvers
 
     def by_scalars(self, z: Array, places: Sequence[int]) -> Array:
         """Derivatives (1 + k, N, 3, n) of T h (A x 1) f by the period and by k parameters."""
@@ -242,27 +292,45 @@ class LargeOrbitEquations(InOneParameterProblem):
         vars(made).update(source=self.source, points=self.points)
         return made
 
-    def bordered(self, z: Array, places: Sequence[int], rows: Array, scale: Array) -> OrbitLinearisation | None:
+    def bordered(
+        self, z: Array, places: Sequence[int], rows: Array, scale: Array, rough: bool = False
+    ) -> OrbitLinearisation | None:
         """The equations with these parameters free, the phase condition and `rows` (k, S + 1 + parameters), scaled."""
         residual = self.residual(z)
-        sweeps = self.sweeps(z) if np.all(np.isfinite(residual)) else None
-        if sweeps is None:
+        solvers = self.solvers(z) if np.all(np.isfinite(residual)) else None
+        if solvers is None:
             return None
         assert self.memory.direction is not None
         count = 1 + len(places)
+        key = tuple(places)
+        if key not in solvers.answers:
+            rest = np.zeros(self.n)
+            solvers.answers[key] = np.array([solvers.sweeps.along(rest, c) for c in self.by_scalars(z, places)])
         phase = np.append(self.memory.direction, np.zeros(count))
         size = float(scale[0]) / np.sqrt(len(scale) - count)
-        closed = Closed.of(
-            sweeps, -self.by_scalars(z, places), np.vstack([phase, rows / scale]), np.append(size, scale[-count:]),
-            self.layout.pick,
+        closed = Closed(
+            solvers.sweeps, np.vstack([phase, rows / scale]), np.append(size, scale[-count:]), solvers.answers[key],
+            self.layout.pick, solvers.recycled.setdefault(count, Recycled()),
         )  # fmt: skip
         scaled = np.append(residual[:-1] / scale[:-count], residual[-1])
-        return OrbitLinearisation(scaled, closed, scale, self.layout, again=count > 2)
+        return OrbitLinearisation(scaled, closed, scale, self.layout, count > 2, rough)
 
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> OrbitLinearisation | None:
+    def linearisation(
+        self, z: Array, tangent: Array, scale: Array, rough: bool = False
+    ) -> OrbitLinearisation | None:
+        """`rough`: see `OrbitLinearisation`."""
         if self._unsettled():
             self.settle(z, tangent, scale)
-        return self.bordered(z, (self.active,), tangent[None], scale)
+        return self.bordered(z, (self.active,), tangent[None], scale, rough)
+
+    def again(self, here: python_march.Linearisation, z: Array) -> OrbitLinearisation | None:
+        """A linearisation of this problem with the residual at another point, for one more correction."""
+        assert isinstance(here, OrbitLinearisation)
+        left = self.residual(z)
+        if not np.all(np.isfinite(left)):
+            return None
+        count = here.rows
+        return replace(here, residual=np.append(left[:-1] / here.scale[:-count], left[-1]), chord=True)
 
     def scale_of(self, size: float, rest: Array) -> Array:
         """States of one size, the norm that of a function of time and space; period and parameter in theirs."""
@@ -297,11 +365,13 @@ class LargeOrbitEquations(InOneParameterProblem):
         there = point_at(problem, base, 0.0, base.z, Frame(finer))
         return None if there is None else (problem, there, finer)
 
-    def multipliers(self, z: Array, exactly: bool = False) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def multipliers(self, z: Array, exactly: bool = False) -> Multipliers:
         """Leading multipliers without the trivial one, and their vectors."""
-        memory = self.memory
-        near = memory.last is not None and norm((memory.last - z)[:-2]) < SAME * max(norm(z[:-2]), 1e-300)
-        sweeps = memory.sweeps if near and not exactly else self.sweeps(z)
-        if sweeps is None:
+        last = self.memory.solvers
+        near = last is not None and norm((last.z - z)[:-2]) < SAME * max(norm(z[:-2]), 1e-300)
+        solvers = last if near and not exactly else self.solvers(z)
+        if solvers is None:
             return np.empty(0, complex), np.empty((self.n, 0), complex)
-        return leading(sweeps, self.velocity(z))
+        if solvers.leading is None:
+            solvers.leading = leading(solvers.sweeps, self.velocity(z))
+        return solvers.leading

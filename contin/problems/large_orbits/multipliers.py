@@ -7,6 +7,7 @@ otherwise enter by its square root.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -20,6 +21,10 @@ from contin.problems.large_orbits.sweeps import Sweeps
 DENSE: Final = 40  # unknowns up to which M is formed
 FIRST: Final = 6  # multipliers that are asked for at first
 INSIDE: Final = 0.9  # the smallest of them must be inside this circle
+LONGEST: Final = 60  # vectors without a restart
+BEYOND: Final = 3  # vectors from where it has begun, at least
+SETTLED: Final = 1e-10  # residual, relative to a multiplier, ...
+FAINT: Final = 0.01  # ... or to this part of the largest one, or of 1
 REAL: Final = 1e-9  # imaginary part of a real multiplier
 
 
@@ -38,11 +43,69 @@ def leading(sweeps: Sweeps, velocity: Array) -> tuple[NDArray[np.complex128], ND
         moving = n if sweeps.mass is None else int(np.sum(np.diff(sweeps.mass.indptr) > 0))  # states without mass: 0
         order = np.argsort(-np.abs(values))[: moving - 1]
         return values[order].astype(complex), vectors[:, order].astype(complex)
-    wanted = FIRST
     start = np.random.default_rng(23).normal(size=n)
+    found = _arnoldi(quotient, start) if n > 2 * LONGEST else None
+    return _restarted(quotient, start) if found is None else found
+
+
+def _arnoldi(
+    apply: Callable[[Array], Array], start: Array
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]] | None:
+    """Leading eigenvalues and vectors by Arnoldi's method without restarts; None where `LONGEST` vectors do not do.
+
+    When they are found, it begins once more with a vector from outside: other copies of an eigenvalue are not in the
+    space of one vector.
+    """
+    n = len(start)
+    basis, H = np.zeros((LONGEST + 1, n)), np.zeros((LONGEST + 1, LONGEST))
+    basis[0] = start / norm(start)
+    wanted, begun, outside = FIRST, 0, False
+    for k in range(LONGEST):
+        w = apply(basis[k])
+        for _ in range(2):  # orthogonalised twice
+            h = np.einsum("ij,j->i", basis[: k + 1], w)
+            w = w - np.einsum("i,ij->j", h, basis[: k + 1])
+            H[: k + 1, k] += h
+        left = norm(w)
+        if not np.isfinite(left):
+            return None
+        values, vectors, whole = _of_hessenberg(H[: k + 1, : k + 1], wanted)
+        floor = SETTLED * np.maximum(np.abs(values), FAINT * max(1.0, float(np.abs(values).max(initial=0.0))))
+        settled = whole and k - begun >= BEYOND and bool(np.all(left * np.abs(vectors[-1]) <= floor))
+        if settled and abs(values[-1]) >= INSIDE:
+            wanted, settled = 2 * wanted, False
+        if settled and outside:
+            return values, np.einsum("ij,ik->jk", basis[: k + 1], vectors)
+        if settled or left <= np.finfo(float).tiny:
+            w, begun, outside = np.random.default_rng(29 + k).normal(size=n), k + 1, True
+            for _ in range(2):
+                w = w - np.einsum("i,ij->j", np.einsum("ij,j->i", basis[: k + 1], w), basis[: k + 1])
+        else:
+            H[k + 1, k] = left
+        basis[k + 1] = w / norm(w)
+    return None
+
+
+def _of_hessenberg(H: Array, wanted: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128], bool]:
+    """The largest eigenvalues of H, so many or one more for a whole pair, with vectors; whether there are so many."""
+    values, vectors = np.linalg.eig(H)
+    order = np.argsort(-np.abs(values), kind="stable")
+    values, vectors = values[order].astype(complex), vectors[:, order].astype(complex)
+    cut = wanted
+    if cut < len(values) and values[cut - 1].imag != 0.0 and values[cut] == values[cut - 1].conj():
+        pairs_before = int(np.sum(values[:cut].imag > 0.0)) - int(np.sum(values[:cut].imag < 0.0))
+        cut += 1 if pairs_before != 0 else 0
+    return values[:cut], vectors[:, :cut], len(values) > wanted
+
+
+def _restarted(
+    apply: Callable[[Array], Array], start: Array
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """The same by Arnoldi's method with restarts."""
+    n, wanted = len(start), FIRST
     while True:
         count = min(wanted, n - 3)
-        operator = LinearOperator((n, n), matvec=quotient, dtype=float)
+        operator = LinearOperator((n, n), matvec=apply, dtype=float)
         try:
             values, vectors = eigs(operator, k=count, v0=start, tol=1e-10, ncv=min(n - 1, max(2 * count + 2, 20)))
         except ArpackNoConvergence as error:

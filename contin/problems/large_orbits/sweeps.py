@@ -20,7 +20,9 @@ from scipy.sparse import csc_matrix
 
 from contin.abi import Array, Vector
 from contin.linalg.factor import Factoriser
-from contin.linalg.krylov import gmres
+from contin.linalg.krylov import Accuracy, gmres
+from contin.linalg.recycled import Recycled
+from contin.linalg.vectors import norm
 from contin.problems.large_orbits.interval import Pattern, full_diagonal, one_pattern
 from contin.problems.large_orbits.radau import STAGES
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
@@ -105,39 +107,38 @@ class Sweeps:
 
 Jumps = Mapping[int, Vector]
 Pick = Callable[[Vector, Vector, Jumps | None], Vector]
+Wanted = Callable[[float], float]  # from the length of a solution (scaled) the error that is small enough
 
 
 @dataclass(frozen=True, eq=False)
 class Closed:
     """The closed orbit's equations with k columns (period, parameters) and k rows, in units of their own.
 
-    columns (k, N, 3, n) : of the equations, by dT and dp.  rows (k, S + k), S unknowns of an orbit.
-    sizes (1 + k,) : of states, T and p.
+    rows (k, S + k), S unknowns of an orbit.  sizes (1 + k,) : of states, T and p.
+    answers (k, N, 3, n) : what the columns by dT and dp lead to from a beginning at rest.
     pick : (d (N, 3, n), d_{-1,3} (n,), jumps) -> what changes of the S unknowns belong to them.
+    recycled : what solves have learnt, of these equations and of those of points nearby.
     """
 
     sweeps: Sweeps
     rows: Array
     sizes: Array
-    answers: Array  # what `columns` lead to from a beginning at rest, (k, N, 3, n)
+    answers: Array
     pick: Pick
-
-    @classmethod
-    def of(cls, sweeps: Sweeps, columns: Array, rows: Array, sizes: Array, pick: Pick) -> Closed:
-        rest = np.zeros(sweeps.n)
-        answers = np.array([sweeps.along(rest, -column) for column in columns])
-        return cls(sweeps, rows, sizes, answers, pick)
+    recycled: Recycled
 
     def solve(
-        self, right: Array | None, jumps: Jumps | None, below: Array, again: bool = False
+        self, right: Array | None, jumps: Jumps | None, below: Array, again: bool = False, wanted: Wanted | None = None
     ) -> tuple[Array, Array, int]:
         """Changes of the S unknowns and (dT, dp), and the iterations; for r (N, 3, n) and `below` (k,) of the rows.
 
         jumps : where intervals begin, that of the first interval being d_{-1} - d_{N-1,3}.
         again : once more for the residual, so that what is nearly singular is solved to rounding.
+        wanted : where less than that will do; lengths are those of (d_{-1}, dT, dp), each in its size.
         """
         n, k = self.sweeps.n, len(self.answers)
-        units = np.append(np.full(n, self.sizes[0]), self.sizes[1:])
+        size = self.sizes[0] * np.sqrt(n)
+        units = np.append(np.full(n, size), self.sizes[1:])
         row_sizes = np.abs(self.rows[:, :-k]).sum(axis=1) * self.sizes[0] + np.abs(self.rows[:, -k:]) @ self.sizes[1:]
         rest = np.zeros(n)
         gap = rest if jumps is None else jumps.get(0, rest)
@@ -155,15 +156,17 @@ class Closed:
         def apply(v: Array) -> Array:
             w = v * units
             d = whole(w)
-            return np.append((w[:n] - d[-1, 2]) / self.sizes[0], conditions(d, w[:n], w[n:]))
+            return np.append((w[:n] - d[-1, 2]) / size, conditions(d, w[:n], w[n:]))
 
         known = np.append(
-            (particular[-1, 2] + gap) / self.sizes[0],
+            (particular[-1, 2] + gap) / size,
             below / row_sizes - conditions(particular, rest, np.zeros(k), inner),
         )
-        v, iterations, _ = gmres(apply, lambda r: r, known)
+        enough = None if wanted is None else Accuracy(norm, lambda v: wanted(norm(v)))
+        precondition, learn = self.recycled.precondition, self.recycled.learn
+        v, iterations, _ = gmres(apply, precondition, known, accuracy=enough, learn=learn)
         if again:
-            more, further, _ = gmres(apply, lambda r: r, known - apply(v))
+            more, further, _ = gmres(apply, precondition, known - apply(v), learn=learn)
             v, iterations = v + more, iterations + further
         w = v * units
         return self.pick(particular + whole(w), w[:n], inner), w[n:], iterations

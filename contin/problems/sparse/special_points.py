@@ -99,9 +99,18 @@ class At:
 def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
     """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
     y = (guess - base.z) / frame.scale
-    found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
+
+    def corrected(tolerance: float) -> python_march.Corrected | Failure:
+        if isinstance(problem, python_march.Sparing):
+            return python_march.correct(
+                problem, base.z, base.tangent, length, y, frame.scale, tolerance, problem.again,
+                decisions=problem.decisions,
+            )  # fmt: skip
+        return python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, tolerance)
+
+    found = corrected(ACCURACY)
     if found is Failure.NO_CONTRACTION:  # from a guess that is as good as rounding allows, every correction is noise
-        found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, NOISE)
+        found = corrected(NOISE)
     if isinstance(found, Failure):
         return None
     last = found.last
