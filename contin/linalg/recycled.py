@@ -26,6 +26,10 @@ class Recycled:
 
     blocks: list[tuple[Array, Array]] = field(default_factory=list)
 
+    def copy(self) -> Recycled:
+        """What is known now, which learns for itself."""
+        return Recycled(list(self.blocks))
+
     def precondition(self, r: Vector) -> Vector:
         """About A^-1 r."""
         left, out = r, np.zeros_like(r)

@@ -92,7 +92,8 @@ def _samples(
     problem: LargeOrbitEquations, base: Sample, frame: Frame, places: Array, line: Array
 ) -> tuple[Array, list[At], Array] | None:
     """Orbits at these distances from the base, and the logarithm of their multiplier."""
-    points, values = [], []
+    points: list[At] = []
+    values = []
     for s in places.tolist():
         guess = base.z + s * line
         if len(points) == 1:

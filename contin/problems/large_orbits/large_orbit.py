@@ -130,7 +130,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.memory.solvers = frame.gauge if isinstance(frame.gauge, Solvers) else None
+        self.memory.solvers = frame.gauge.copy() if isinstance(frame.gauge, Solvers) else None
         self.prepare(origin.z)
         self.settle(origin.z, origin.tangent, frame.scale)
         self.memory.origin = origin
@@ -139,7 +139,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
             Marched(self), origin, before, length, frame, step, limit, bounds, settings, loop, self.again,
             decisions=self.decisions,
         )  # fmt: skip
-        chunk = replace(chunk, gauge=self.memory.solvers)
+        chunk = replace(chunk, gauge=None if self.memory.solvers is None else self.memory.solvers.copy())
         return cut_at_birth(self, chunk, frame, settings)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

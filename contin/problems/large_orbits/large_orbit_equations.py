@@ -45,9 +45,13 @@ class Solvers:
 
     z: Array
     sweeps: Sweeps
-    answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # to dT and dp, by the places of parameters
+    answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # to dT and dp, by places of parameters
     recycled: dict[int, Recycled] = field(default_factory=dict)  # by the number of conditions
     leading: Multipliers | None = None
+
+    def copy(self) -> Solvers:
+        """The same factors with what is known now: a gauge, which does not learn from what is asked beside a march."""
+        return replace(self, recycled={k: known.copy() for k, known in self.recycled.items()})
 
 
 @dataclass(eq=False)
@@ -174,9 +178,14 @@ class LargeOrbitEquations(InOneParameterProblem):
     def with_active(self, name: str, z: Array | None = None) -> Self:
         return replace(super().with_active(name, z), memory=Memory())
 
+    def effort(self) -> dict[str, int]:
+        """Factorisations of intervals, and solves with them."""
+        return self.memory.factoriser.tally.counts()
+
     def with_layout(self, layout: Layout) -> Self:
         """The same family in other unknowns."""
-        made = replace(self, layout=layout, memory=Memory())
+        tally = self.memory.factoriser.tally
+        made = replace(self, layout=layout, memory=Memory(factoriser=Factoriser(tally)))
         vars(made).update(source=self.source, points=self.points)
         return made
 

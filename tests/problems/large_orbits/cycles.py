@@ -1,5 +1,7 @@
 """Families of cycles in closed form, of functions and of `kind: pde`."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import sparse
 
@@ -63,3 +65,53 @@ def landau(points, method):
             "v": f"mu*v + u + dxx(v) + c1*dxx(u) - {square}*(v + c2*u)",
         },
     })  # fmt: skip
+
+
+@dataclass(frozen=True)
+class GinzburgLandau:
+    """A_t = lap A + (r + i nu) A - (c3 - i mu) |A|^2 A - c5 |A|^4 A on a rectangle 2 pi by pi, A = u + i v, zero on its
+    edge: `nx` by `ny` nodes, as far apart as BifurcationKit's tutorial has them (2 pi/nx and pi/ny)."""
+
+    nx: int
+    ny: int
+    mu: float = 0.1
+    c3: float = -1.0
+    c5: float = 1.0
+
+    @property
+    def laplacian(self):
+        x, y = ((sparse.diags([1.0, -2.0, 1.0], [-1, 0, 1], shape=(m, m)) * (m / side) ** 2)
+                for m, side in ((self.nx, 2 * np.pi), (self.ny, np.pi)))  # fmt: skip
+        return sparse.csr_matrix(sparse.kron(sparse.eye(self.ny), x) + sparse.kron(y, sparse.eye(self.nx)))
+
+    @property
+    def hopf(self):
+        """r where the zero state loses its stability: the smallest eigenvalue of -lap."""
+        return sum((2 - 2 * np.cos(np.pi / (m + 1))) * (m / side) ** 2
+                   for m, side in ((self.nx, 2 * np.pi), (self.ny, np.pi)))  # fmt: skip
+
+    def model(self):
+        """As a Python function with a sparse Jacobian; u and v of all nodes."""
+        n, both = self.nx * self.ny, sparse.block_diag([self.laplacian] * 2).tocsr()
+
+        def residual(z, p):
+            a, b = z[:n], z[n:]
+            s = a * a + b * b
+            return both @ z + np.concatenate([
+                p["r"] * a - b - s * (self.c3 * a - self.mu * b) - self.c5 * s * s * a,
+                p["r"] * b + a - s * (self.c3 * b + self.mu * a) - self.c5 * s * s * b,
+            ])  # fmt: skip
+
+        def jacobian(z, p):
+            a, b = z[:n], z[n:]
+            s = a * a + b * b
+            ga, gb = self.c3 * a - self.mu * b, self.c3 * b + self.mu * a
+            own = p["r"] - self.c3 * s - self.c5 * s * s
+            aa, ab = own - 2 * a * ga - 4 * self.c5 * s * a * a, self.mu * s - 1 - 2 * b * ga - 4 * self.c5 * s * a * b
+            ba, bb = 1 - self.mu * s - 2 * a * gb - 4 * self.c5 * s * a * b, own - 2 * b * gb - 4 * self.c5 * s * b * b
+            return (both + sparse.diags([np.concatenate([aa, bb]), ab, ba], [0, n, -n])).tocsc()
+
+        return contin.FunctionProblem(
+            residual, np.zeros(2 * n), {"r": 0.5}, jacobian, name="ginzburg-landau",
+            record=lambda z, p: {"largest": np.abs(z).max()},
+        )  # fmt: skip
