@@ -161,14 +161,14 @@ def correct(
     """
     size_before, first, off = np.inf, 0.0, 0.0
     far = min(FAR, decisions.old * abs(length)) if length else FAR
-    close, slow = decisions.close, False  # slow: at the last rate, chords would be too many
+    slow = False  # at the last rate, chords would be too many
     once_more = True  # where the last matrix may be another one than that of the point
     here, fresh, compare = before, False, False  # compare: the last step was Newton's, so this one must be shorter
     limit = NEWTON_LIMIT if decisions.patience == np.inf else NEWTON_LIMIT + int(decisions.patience)
     for iteration in range(1, limit + 1):
         z = z0 + scale * y
         now = None
-        serves = size_before < close and not slow if fresh else iteration == 1
+        serves = size_before < decisions.close and not slow if fresh else iteration == 1
         if again is not None and here is not None and serves:
             now = again(here, z)
         chord = now is not None
@@ -178,8 +178,7 @@ def correct(
             return Failure.NOT_FINITE
         if now.sign == 0:
             return Failure.SINGULAR
-        solve = cast(Correcting, now).correction if _offers(type(now), "correction") else now.solve
-        step = solve(np.append(-now.residual, length - dot(tangent, y)))
+        step = _correction(now, np.append(-now.residual, length - dot(tangent, y)))
         size = norm(step)
         if not fresh and not size < far:  # too far for the old matrix
             here = None
@@ -210,6 +209,11 @@ def correct(
             return Corrected(z0 + scale * y, y, last, first, iterations, 0.0 if made is None else off)
         size_before, compare = size, fresh
     return Failure.NO_CONVERGENCE
+
+
+def _correction(here: Linearisation, right: Array) -> Array:
+    solve = cast(Correcting, here).correction if _offers(type(here), "correction") else here.solve
+    return solve(right)
 
 
 def _too_slow(size: float, ratio: float, tolerance: float, patience: float) -> bool:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.loci.augmented.base import Base
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
-from contin.problems.large_orbits.large_orbit_equations import OrbitLinearisation
+from contin.problems.large_orbits.linearised import OrbitLinearisation
 from contin.problems.scales import parameter_width
 
 BEHIND: Final = 3  # unknowns behind the states: period and two parameters

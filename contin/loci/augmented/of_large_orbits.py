@@ -35,7 +35,7 @@ from contin.problems.large_orbits.sweeps import Sweeps
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
-    from contin.problems.large_orbits.large_orbit_equations import OrbitLinearisation
+    from contin.problems.large_orbits.linearised import OrbitLinearisation
 
 Image = Callable[[LargeOrbitProblem, Array], Vector | None]
 STEP: Final = 1e-5  # of differences, relative to sizes of the metric

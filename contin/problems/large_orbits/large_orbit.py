@@ -23,13 +23,9 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.large_orbits import branch_points, events
 from contin.problems.large_orbits.from_starts import FromStarts
-from contin.problems.large_orbits.large_orbit_equations import (
-    TOLERANCE,
-    LargeOrbitEquations,
-    OrbitLinearisation,
-    Solvers,
-)
+from contin.problems.large_orbits.large_orbit_equations import TOLERANCE, LargeOrbitEquations
 from contin.problems.large_orbits.layout import Layout, OnPoints
+from contin.problems.large_orbits.linearised import OrbitLinearisation, Solvers
 from contin.problems.large_orbits.multipliers import tests_of
 from contin.problems.large_orbits.radau import STAGES, extremes
 from contin.problems.orbits.hopf_end import cut_at_birth

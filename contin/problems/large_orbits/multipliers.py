@@ -18,6 +18,7 @@ from contin.abi import Array
 from contin.linalg.vectors import norm
 from contin.problems.large_orbits.sweeps import Sweeps
 
+Multipliers = tuple[NDArray[np.complex128], NDArray[np.complex128]]  # and their vectors
 DENSE: Final = 40  # unknowns up to which M is formed
 FIRST: Final = 6  # multipliers that are asked for at first
 INSIDE: Final = 0.9  # the smallest of them must be inside this circle
@@ -28,7 +29,7 @@ FAINT: Final = 0.01  # ... or to this part of the largest one, or of 1
 REAL: Final = 1e-9  # imaginary part of a real multiplier
 
 
-def leading(sweeps: Sweeps, velocity: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def leading(sweeps: Sweeps, velocity: Array) -> Multipliers:
     """All multipliers of modulus above `INSIDE`, and some more, without the trivial one; and their vectors (n, k)."""
     n, size = sweeps.n, norm(velocity)
     v = velocity / size if size > 0.0 else velocity
@@ -48,9 +49,7 @@ def leading(sweeps: Sweeps, velocity: Array) -> tuple[NDArray[np.complex128], ND
     return _restarted(quotient, start) if found is None else found
 
 
-def _arnoldi(
-    apply: Callable[[Array], Array], start: Array
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]] | None:
+def _arnoldi(apply: Callable[[Array], Array], start: Array) -> Multipliers | None:
     """Leading eigenvalues and vectors by Arnoldi's method without restarts; None where `LONGEST` vectors do not do.
 
     When they are found, it begins once more with a vector from outside: other copies of an eigenvalue are not in the
@@ -98,9 +97,7 @@ def _of_hessenberg(H: Array, wanted: int) -> tuple[NDArray[np.complex128], NDArr
     return values[:cut], vectors[:, :cut], len(values) > wanted
 
 
-def _restarted(
-    apply: Callable[[Array], Array], start: Array
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _restarted(apply: Callable[[Array], Array], start: Array) -> Multipliers:
     """The same by Arnoldi's method with restarts."""
     n, wanted = len(start), FIRST
     while True:
