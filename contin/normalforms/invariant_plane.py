@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 
 from contin.normalforms.jet import Jet
 from contin.normalforms.result import NormalForm
-from contin.normalforms.zero_hopf import zero_hopf, zero_hopf_manifold
+from contin.normalforms.zero_hopf import REFLECTED, zero_hopf, zero_hopf_manifold
 
 SMALL: Final = 1e-6  # of the products that cancel: a determinant below this has no sign
 
 
-def zero_hopf_on_plane(jet: Jet, omega: float | None = None) -> NormalForm:
+def zero_hopf_on_plane(
+    jet: Jet, omega: float | None = None, off: Mapping[str, float] = MappingProxyType({})
+) -> NormalForm:
     """ZH with p0 . F_p = 0 in both active parameters of the jet: the coefficients of `zero_hopf`, and the case.
 
     With R = |w1|^2 and w0 ~ R the amplitudes obey equations of Lotka and Volterra (Langford, SIAM J. Appl. Math. 37
@@ -23,24 +27,26 @@ def zero_hopf_on_plane(jet: Jet, omega: float | None = None) -> NormalForm:
         w0' = w0 (nu + b w0 + c R),  R' = 2 R (alpha + d w0 + e R)
 
     (key `amplitudes`), whose Hopf curves are alpha = 0 in the plane and b alpha = d nu off it. The trace at the cycles
-    beside the plane vanishes, and a curve of tori begins, where b e (b e - c d) < 0. Where G200 vanishes too, a
-    reflection w0 -> -w0 is broken instead.
+    beside the plane vanishes, and a curve of tori begins, where b e (b e - c d) < 0. Where G200 and G110
+    vanish too, a reflection w0 -> -w0 is broken instead. `off`: by how much coefficients are off as the point is.
     """
     form = zero_hopf(jet, omega)
+    errors = {key: error + off.get(key, 0.0) for key, error in form.errors.items()}
     coefficients = {key: value for key, value in form.coefficients.items() if key not in ("s", "theta", "E")}
-    if abs(coefficients["G200"]) <= form.errors["G200"]:
-        case = "Hopf-pitchfork (reflection symmetry)"
+    if coefficients["case"] == REFLECTED:
+        case = REFLECTED
     else:
         b, c, d, e = amplitudes = _amplitudes(jet, omega)
         coefficients["amplitudes"] = dict(zip("bcde", amplitudes, strict=True))
         first, second = b * e, c * d
         case = "Hopf-transcritical (invariant plane): "
-        if abs(d) <= form.errors["G110"] or abs(first - second) <= SMALL * (abs(first) + abs(second)):
+        undecided = abs(coefficients["G200"]) <= errors["G200"] or abs(d) <= errors["G110"]
+        if undecided or abs(first - second) <= SMALL * (abs(first) + abs(second)):
             case += "degenerate"
         else:
             case += "a torus branches off the cycles beside the plane" if first * (first - second) < 0.0 else "no torus"
     coefficients["case"] = case
-    return replace(form, coefficients=coefficients, said=f"zero-Hopf point, {case}")
+    return replace(form, coefficients=coefficients, errors=errors, said=f"zero-Hopf point, {case}")
 
 
 def _amplitudes(jet: Jet, omega: float | None) -> tuple[Any, ...]:

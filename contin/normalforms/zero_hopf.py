@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from contin.normalforms.homological import CentreManifold
@@ -10,6 +12,8 @@ from contin.normalforms.jet import Jet, mass_of
 from contin.normalforms.linear import null_pair
 from contin.normalforms.result import NormalForm, parts
 from contin.normalforms.static import StateError, quadratic_error
+
+REFLECTED: Final = "Hopf-pitchfork (reflection symmetry)"  # what is even in w0 in w0', and odd in w1', vanishes
 
 
 def zero_hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
@@ -27,8 +31,8 @@ def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError =
     and of xi' = xi^2 + s |zeta|^2, zeta' = i omega zeta + (theta + i vartheta) xi zeta + sign(E) xi^2 zeta (after
     rescaling): s = sign(G200 G011), theta = 2 Re G110/G200,
     E = Re[G210 + G110 (Re G021/G011 - G300/G200 + G111/G011) - G021 G200/(2 G011)]/2.
-    Cycles have a curve of Neimark-Sacker points where s theta < 0. Where G200 and G011 vanish to their estimated errors
-    (a reflection w0 -> -w0), `case` says Hopf-pitchfork and s, theta, E are left out.
+    Cycles have a curve of Neimark-Sacker points where s theta < 0. Where G200, G011 and G110 vanish to their estimated
+    errors (a reflection w0 -> -w0), `case` says Hopf-pitchfork and s, theta, E are left out.
     """
     manifold = zero_hopf_manifold(jet, omega)
     g, q0, p0 = manifold.g, manifold.right[0].real, manifold.left[0].real
@@ -52,8 +56,8 @@ def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError =
         "G021": parts(G021),
     }
     zero_200, zero_011 = abs(G200) <= errors["G200"], abs(G011) <= errors["G011"]
-    if zero_200 and zero_011:
-        case = "Hopf-pitchfork (reflection symmetry)"
+    if zero_200 and zero_011 and abs(G110) <= errors["G110"]:
+        case = REFLECTED
     elif zero_200 or zero_011 or abs(G110.real) <= errors["G110"]:
         case = "degenerate: a quadratic coefficient is zero to its estimated error"
     else:

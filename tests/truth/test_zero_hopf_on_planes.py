@@ -188,3 +188,54 @@ def test_hopf_curves_of_prey_predator_and_superpredator():
     other = api.continuation(hopf.points[0].locus(("p1", "p4"))[0], ("p1", "p4"), box)
     assert sorted(p.type for p in other.points) == ["GH", "GH", "ZH"]  # the parent is no label of its own
     assert [end.reason for end in other.ends] == ["closed", "closed"]
+
+
+def test_a_hopf_curve_that_touches_the_zero_eigenvalue_has_a_zero_hopf_point_there():
+    """w' = w (p + b w^2 + c R), z' = (q + d w + e R + 2 i) z: off the plane w = 0, Hopf points at p = -b w^2, q = -d w.
+
+    Their real eigenvalue is 2 b w^2: it touches zero at w = 0, where l1 = (e - c d/(2 b w))/2 has a pole, and changes
+    its sign as it does at the generalised Hopf point at w = c d/(2 b e).
+    """
+    b, c, d, e = -0.8, 0.6, 0.7, 0.9
+    model = Model(
+        "touching", states={"w": 0.9, "x": 0.0, "y": 0.0}, parameters={"p": 0.648, "q": -0.9},
+        definitions={"R": "x^2 + y^2", "S": f"q + {d}*w + {e}*R"},
+        equations={"w": f"w*(p + {b}*w^2 + {c}*R)", "x": "S*x - 2*y", "y": "2*x + S*y"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "q", (-0.95, 0.95))
+    hopf = api.continuation(line["HB1"].locus(("p", "q")), ("p", "q"), {"p": (-0.9, 0.9), "q": (-0.7, 0.7)})
+    assert sorted(p.type for p in hopf.points) == ["GH", "ZH"]
+    at = c * d / (2.0 * b * e)
+    assert (hopf["GH1"].values["p"], hopf["GH1"].values["q"]) == pytest.approx((-b * at * at, -d * at), abs=1e-9)
+    assert abs(hopf["ZH1"].values["p"]) <= hopf["ZH1"].error
+    assert hopf["ZH1"].values["q"] == pytest.approx(0.0, abs=1e-9)
+    assert "l2" not in hopf["ZH1"].normal_form
+    assert hopf["ZH1"].normal_form["case"] == "Hopf-transcritical (invariant plane): degenerate"
+
+
+def test_the_food_chain_has_a_zero_hopf_point_where_the_prey_isocline_has_its_top():
+    """Rosenzweig and MacArthur's chain of three (Hastings and Powell 1991; Kuznetsov, De Feo and Rinaldi, SIAM J. Appl.
+    Math. 62 (2001) 462): the planar Hopf point is at the top of the prey isocline, where the superpredator's density
+    does not move the predator's, so that the branch point there is degenerate too.
+    """
+    model = Model(
+        "chain", states={"x": 0.8, "y": 0.2, "z": 9.0},
+        parameters={"K": 1.0, "a": 5.0, "b": 3.0, "c": 0.1, "h": 2.0, "m": 0.4, "n": 0.01},
+        equations={
+            "x": "x*(1 - x/K) - a*x*y/(1 + b*x)",
+            "y": "a*x*y/(1 + b*x) - c*y*z/(1 + h*y) - m*y",
+            "z": "c*y*z/(1 + h*y) - n*z",
+        },
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "K", (0.2, 3.0))
+    hopf = api.continuation(line["HB1"].locus(("K", "n")), ("K", "n"), {"K": (0.1, 4.0), "n": (0.001, 0.03)})
+    x = 0.4 / (5.0 - 3.0 * 0.4)
+    capacity = 2.0 * x + 1.0 / 3.0
+    y = (1.0 - x / capacity) * (1.0 + 3.0 * x) / 5.0
+    (point,) = [p for p in hopf.points if p.type == "ZH"]
+    assert abs(point.values["K"] - capacity) <= max(point.error, 1e-14)
+    assert point.values["n"] == pytest.approx(0.1 * y / (1.0 + 2.0 * y), abs=1e-11)
+    assert "l2" not in point.normal_form
+    assert point.normal_form["case"].endswith("degenerate")
+    for other in (p for p in hopf.points if p.type == "GH"):  # one on either side, and none at the point
+        assert abs(other.values["K"] - capacity) > 1e-5

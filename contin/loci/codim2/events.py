@@ -36,6 +36,7 @@ NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched 
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
 WITH_POLES = ("GH", "CH", "GPD")  # coefficients, which have poles where a further eigenvalue is critical
 CROSSINGS = (("ZH", "HB"), ("LPPD", "PD"), ("LPNS", "NS"))  # where curves of one type cross, if nothing unfolds them
+AT_POLE: Final[Mapping[str, str]] = {"GH": "ZH", "GPD": "LPPD", "CH": "LPNS"}  # there, by the coefficient with a pole
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 JUMPING = 1e-6  # scaled distance of two points between which a test jumps, or passes through zero more steeply than any
 JORDAN = 1e-3  # |<psi, v>| of unit null vectors at such points, below which they are nearly orthogonal
@@ -107,7 +108,7 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
     if (type_, problem.locus) in CROSSINGS and zero_hopf_crossing.is_forced(problem, near.z, frame.scale):
         met = zero_hopf_crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
-            point = _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
+            point = _point(problem, type_, Solution(met.y, met.residual, met.error, met.errors), frame)
             if isinstance(point, Verified):
                 point = replace(point, vectors={**point.vectors, "crossed": True})
             return point
@@ -119,7 +120,8 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
         if touching is not None:
             return touching
     if solved is None:
-        return unverified(type_, "Newton on its defining system did not converge")
+        touched = _touched(problem, type_, near, frame)
+        return touched or unverified(type_, "Newton on its defining system did not converge")
     if not solved.residual <= RESIDUAL_LIMIT:
         return unverified(type_, f"its defining system has no solution nearby (residual {solved.residual:.1e})")
     if not solved.error <= ILL_CONDITIONED:
@@ -129,6 +131,18 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
     if type_ == "BT" and not solved.alone:  # rounding of its function makes changes of sign between two of them
         return Rejected(f"{type_} not labelled: others lie closer than {DIFFERENCE:g} to it (scaled)")
     return _point(problem, type_, solved, frame)
+
+
+def _touched(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) -> Verified | None:
+    """The crossing on an invariant plane that a curve touches, for a zero of a coefficient that has a pole there.
+
+    Where the quadratic coefficient of the branches that leave the plane vanishes too, the further eigenvalue is that of
+    a pitchfork: it comes to the stability boundary and goes back, and its test does not change its sign.
+    """
+    if type_ not in AT_POLE or not zero_hopf_crossing.is_forced(problem, near.z, frame.scale):
+        return None
+    found = _verified(problem, AT_POLE[type_], near, frame)
+    return found if isinstance(found, Verified) else None
 
 
 def _solved(
@@ -165,7 +179,7 @@ def _point(problem: CurveOfPoints, type_: str, solved: Solution, frame: Frame) -
     point = Verified(type_, z, solved.residual, error, values, unstable)
     on_locus = type_ in ("ZH", "LPPD", "LPNS") and problem.locus != "LP"
     plane = on_locus and zero_hopf_crossing.is_forced(problem, z, frame.scale, zero_hopf_crossing.EXACT)
-    drift = None if solved.drift is None or plane else solved.drift * frame.scale
+    drift = None if solved.drift is None else solved.drift * frame.scale
     described_point = described(problem, point, values[critical], frame.scale, plane, drift)
     known: dict[str, float] = {}
     if np.isfinite(solved.second):

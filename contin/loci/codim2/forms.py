@@ -20,6 +20,7 @@ from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST, NormalForm
 from contin.normalforms.rounding import change_of, rounding_errors
 from contin.normalforms.sources import compiled_jet
+from contin.normalforms.zero_hopf import zero_hopf
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.records import Fields
 from contin.special.table import table
@@ -47,7 +48,8 @@ def described(
     """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
 
     `plane` : a ZH (of maps LPPD, LPNS) at which no parameter unfolds the vanishing eigenvalue (multiplier 1).
-    `drift` : estimated errors of all unknowns, by which the coefficients are less well known than at the point itself.
+    `drift` : estimated errors of all unknowns, by which the coefficients are less well known than at the point itself;
+    along the curve, and on a plane, where curves cross, each by itself.
     """
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
     frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
@@ -62,7 +64,8 @@ def described(
         if point.type == "DP":
             form = branching_form(problem, point.z)
         elif plane:
-            form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
+            jet = jet_at(problem, point.z, (problem.curve.first, problem.curve.second))
+            form = zero_hopf_on_plane(jet, frequency, _off(problem, point, frequency, drift, scale))
         else:
             lengths = None if drift is None else np.abs(drift[: problem.n]) / unit_mass(problem.system)
             form = normal_form(point.type, jet, frequency=frequency, state_error=lengths)
@@ -92,6 +95,25 @@ def described(
 def _without_fold(form: NormalForm) -> NormalForm:
     """What is told of a point with multiplier 1 that no parameter unfolds."""
     return replace(form, coefficients={**form.coefficients, "case": f"{form.coefficients['case']}{FORCED}"})
+
+
+def _off(
+    problem: CurveOfPoints, point: Verified, frequency: float | None, drift: Array | None, scale: Array
+) -> dict[str, float]:
+    """By how much coefficients of a ZH on a plane are off, as its states and parameters are."""
+    if drift is None:
+        return {}
+
+    def form_at(z: Array) -> NormalForm:
+        return zero_hopf(jet_at(problem, z), frequency)
+
+    here = form_at(point.z)
+    found: dict[str, float] = {}
+    for place in (*range(problem.n), len(drift) - 2, len(drift) - 1):
+        alone = np.where(np.arange(len(drift)) == place, drift, 0.0)
+        for key, change in _changes(form_at, here, point.z, alone, scale).items():
+            found[key] = found.get(key, 0.0) + change
+    return found
 
 
 def _summed(form: NormalForm, changes: Sequence[Mapping[str, float]]) -> dict[str, float]:

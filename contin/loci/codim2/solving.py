@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 RESIDUAL_LIMIT = 1e-8
 SAFETY = 4.0  # times the largest of a few samples of an error
 POLE = 0.1  # part of its values next to a point up to which a function has a zero there, and not a pole
+FURTHER = 10.0  # times that distance, where it has fallen off on both sides of a pole, and grown on those of a zero
 FREE = 1e-12  # relative: singular values up to which a direction costs nothing
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function, ...
 SHORTER = 0.1  # part of it that serves where the function bends
@@ -53,7 +54,8 @@ def solve(
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
     within a few steps. The error of the first parameter is estimated as in `defining.newton`.
 
-    with_poles : None where the function has no zero there, but changes its sign at a pole.  turning : null vectors are
+    with_poles : None where the function has no zero there, but changes its sign at a pole (of which rounding may make a
+    zero: it falls off on both sides).  turning : null vectors are
     not unique there, and may turn at no cost: steps and errors are those without such directions.  rounding : by how
     much the function may be off at z, alike at neighbouring points.
     """
@@ -92,8 +94,11 @@ def solve(
     aside = max(DIFFERENCE, min(off * float(np.linalg.norm(inverse[:, -1])) / ROUGH, LONGEST))
     after, before = at_rows(function, np.array([y + aside * along, y - aside * along]) * scale).tolist()
     beside = max(abs(after), abs(before))
-    if with_poles and abs(float(g[-1])) * size > POLE * beside:
-        return None
+    if with_poles:
+        far = FURTHER * aside * along
+        further = np.abs(at_rows(function, np.array([y + far, y - far]) * scale))
+        if abs(float(g[-1])) * size > POLE * beside or bool(np.all(further < np.abs([after, before]))):
+            return None
     approximate = max((limit.accuracy for limit in curve.system.limits), default=0.0)
     if approximate > 0.0:
         sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)

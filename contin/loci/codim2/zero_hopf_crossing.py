@@ -36,11 +36,16 @@ NEWTON: Final = Rules(defining.SETTLED, defining.STALLED, far=1e3, budget=defini
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """Scaled unknowns, the residual of all equations (maximum norm) and the estimated error of the first parameter."""
+    """Scaled unknowns, the residual of all equations (maximum norm) and the estimated errors of the unknowns."""
 
     y: Array
     residual: float
-    error: float
+    errors: Array
+
+    @property
+    def error(self) -> float:
+        """Of the first parameter, scaled."""
+        return float(self.errors[-1])
 
 
 def is_forced(problem: CurveOfPoints, z: Array, scale: Array, limit: float = FORCED) -> bool:
@@ -78,10 +83,10 @@ def solve(problem: CurveOfPoints, eigenvalue: Callable[[Array], float], near: Sa
     values = np.linalg.svd(matrix, compute_uv=False)
     if not values[-1] > RANK * values[0]:
         return None
-    row = np.linalg.pinv(matrix)[-1]
+    inverse = np.linalg.pinv(matrix)
     generator = np.random.default_rng(12345)
     shifts = defining.PERTURBATION * generator.uniform(-1.0, 1.0, (defining.SAMPLES, count))
-    scatter = 2.0 * max(abs(float(shift[-1] - row @ system(y + shift)[0])) for shift in shifts)
+    scatter = 2.0 * np.max([np.abs(shift - inverse @ system(y + shift)[0]) for shift in shifts], axis=0)
     return Crossing(y, float(np.max(np.abs(g))), scatter)
 
 
