@@ -147,12 +147,15 @@ def critical_pair(re, im, kappa):
     return first, second
 
 
-@kernel("f1, f1, i -> f")
-def rest_product(re, im, count):
-    """Sign of the product of the eigenvalues with the smallest one's size relative to the largest."""
+@kernel("f1, f1, i, f -> f")
+def rest_product(re, im, count, pair):
+    """Sign of the product of the eigenvalues with the smallest one's size relative to the largest.
+
+    pair : modulus of the critical ones, which counts: of one eigenvalue beside them only they tell how small it is.
+    """
     sign = 1.0
     smallest = math.inf
-    largest = 0.0
+    largest = pair
     for i in range(count):
         size = math.hypot(re[i], im[i])
         smallest = min(smallest, size)
@@ -198,7 +201,8 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
         count = without(re, im, first, second, rest_re, rest_im)
         unstable = rest_tests(rest_re, rest_im, count, pairs)
         tests[2] = kappa / scale[size - 3]
-        tests[3] = rest_product(rest_re, rest_im, count)
+        pair = max(math.hypot(re[first], im[first]), math.hypot(re[second], im[second]))
+        tests[3] = rest_product(rest_re, rest_im, count, pair)
         if count > 1:
             tests[4] = pairs[2]
         tests[5] = 0.0

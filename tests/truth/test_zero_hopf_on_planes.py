@@ -213,6 +213,23 @@ def test_a_hopf_curve_that_touches_the_zero_eigenvalue_has_a_zero_hopf_point_the
     assert hopf["ZH1"].normal_form["case"] == "Hopf-transcritical (invariant plane): degenerate"
 
 
+@pytest.mark.parametrize(("bend", "c", "case"), [
+    ("w^2", 0.6, "Hopf-pitchfork (reflection symmetry)"), ("w", 0.0, "Hopf-transcritical (invariant plane): degenerate"),
+])  # fmt: skip
+def test_a_zero_eigenvalue_that_is_only_touched_leaves_a_zero_hopf_point(bend, c, case):
+    """As above, with q = -0.7 w^2 (the curve is its own mirror image) or c = 0: l1 has no pole there."""
+    model = Model(
+        "touching", states={"w": 0.9, "x": 0.0, "y": 0.0}, parameters={"p": 0.648, "q": -0.95},
+        definitions={"R": "x^2 + y^2", "S": f"q + 0.7*{bend} - 0.9*R"},
+        equations={"w": f"w*(p - 0.8*w^2 + {c}*R)", "x": "S*x - 2*y", "y": "2*x + S*y"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "q", (-0.98, 0.95))
+    hopf = api.continuation(line["HB1"].locus(("p", "q")), ("p", "q"), {"p": (-0.9, 0.9), "q": (-0.7, 0.7)})
+    assert [p.type for p in hopf.points] == ["ZH"]
+    assert hopf.points[0].normal_form["case"] == case
+    assert (hopf.points[0].values["p"], hopf.points[0].values["q"]) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
 def test_the_food_chain_has_a_zero_hopf_point_where_the_prey_isocline_has_its_top():
     """Rosenzweig and MacArthur's chain of three (Hastings and Powell 1991; Kuznetsov, De Feo and Rinaldi, SIAM J. Appl.
     Math. 62 (2001) 462): the planar Hopf point is at the top of the prey isocline, where the superpredator's density

@@ -161,9 +161,9 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
         turned[test] = -np.copysign(1.0, low.tests[test])
         low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))
         items = [i for i in together_between(stretch, low, replace(high, tests=turned)) if not isinstance(i, Nothing)]
-        if any(isinstance(item, Rejected) or _is_seen_by(stretch, item.type, test) for item in items):
+        if any(_is_unknown(stretch, item, test) for item in items):
             yield Note(where(stretch, low, TOUCHES))
-        else:  # it is part of a point of another type
+        else:  # it is part of a point of another type, or curves cross there (at `crossed`), whose tests may touch zero
             for item in items:
                 assert isinstance(item, Verified)
                 yield found_at(stretch, low, item, anchor)
@@ -176,6 +176,13 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
     yield from (found_at(stretch, low, point, anchor) for point in points)
     if not points and (together or test == 0):
         yield Note(where(stretch, low, TOUCHES))
+
+
+def _is_unknown(stretch: Stretch, item: Outcome, test: int) -> bool:
+    """True where a test of a curve touches zero, and no defining system is known that is regular there."""
+    if isinstance(item, Verified):
+        return _is_seen_by(stretch, item.type, test) and not item.vectors.get("crossed")
+    return isinstance(item, Rejected)
 
 
 def _is_seen_by(stretch: Stretch, type_: str, test: int) -> bool:

@@ -42,7 +42,7 @@ def tests_at(problem: CurveOfPoints, z: Array) -> tuple[Array, int, NDArray[np.c
     pairs = pair_test(others, False) if len(others) > 1 else 1.0
     unstable = int(np.sum(others.real > 0.0))
     if problem.locus == "HB":
-        product = real_test(others, 0.0)
+        product = real_test(others, 0.0, float(np.abs(values).max()))
         kappa = problem.curve.scalar(z)
         size = elementary.square(float(np.linalg.norm(matrix)))
         sign = _lyapunov(problem, z) * np.sign(product) if kappa > BESIDE_BT * size else 0.0
@@ -72,11 +72,14 @@ def quadratic(problem: CurveOfPoints, z: Array, v: Array, psi: Array) -> float:
     return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
 
 
-def real_test(values: Vector, target: float) -> float:
-    """Sign of prod (l - target) over the real ones, with the relative size of the smallest factor; 1 without any."""
+def real_test(values: Vector, target: float, size: float = 0.0) -> float:
+    """Sign of prod (l - target) over the real ones, with the relative size of the smallest factor; 1 without any.
+
+    size : of the critical eigenvalues, which are not among these.
+    """
     if not len(values):
         return 1.0
-    size = max(float(np.abs(values).max()), abs(target), 1e-300)
+    size = max(float(np.abs(values).max()), abs(target), size, 1e-300)
     smallest = float(np.abs(values - target).min()) / size
     real = values[values.imag == 0.0].real
     return float((-1.0) ** int(np.sum(real < target))) * (smallest if smallest > NOISE else 0.0)
