@@ -213,9 +213,13 @@ def test_a_hopf_curve_that_touches_the_zero_eigenvalue_has_a_zero_hopf_point_the
     assert hopf["ZH1"].normal_form["case"] == "Hopf-transcritical (invariant plane): degenerate"
 
 
-@pytest.mark.parametrize(("bend", "c", "case"), [
-    ("w^2", 0.6, "Hopf-pitchfork (reflection symmetry)"), ("w", 0.0, "Hopf-transcritical (invariant plane): degenerate"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("bend", "c", "case"),
+    [
+        ("w^2", 0.6, "Hopf-pitchfork (reflection symmetry)"),
+        ("w", 0.0, "Hopf-transcritical (invariant plane): degenerate"),
+    ],
+)
 def test_a_zero_eigenvalue_that_is_only_touched_leaves_a_zero_hopf_point(bend, c, case):
     """As above, with q = -0.7 w^2 (the curve is its own mirror image) or c = 0: l1 has no pole there."""
     model = Model(
