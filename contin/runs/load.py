@@ -74,7 +74,7 @@ def _note(item: Json, problems: Problems, shape: type[BaseModel]) -> None:
     value = item.get("input")
     count = len(value) if isinstance(value, list) else shown(value)
     own = {"too_long": f"expected one parameter or two, got {count}"}
-    if item["loc"][-1] == "parameters":
+    if item["loc"][-1:] == ("parameters",):  # empty: of the file as a whole
         own["extra_forbidden"] = VALUES
     note(item, problems, lambda path: _keys_at(path, shape), _EXAMPLES, own)
 

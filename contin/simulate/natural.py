@@ -34,6 +34,8 @@ COUPLED_UP_TO: Final = 500  # states of a function, up to which tolerances ask f
 BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
 SWEEPS: Final = 10  # of balancing
 BENDING: Final = 1e3  # ratio of a state's size to the length over which its equations bend, or its inverse, at most
+NUDGE: Final = 1e-13  # relative change of states and parameters ...
+CHANCE: Final = 0.01  # ... at which a number that changes by this part of itself is one of rounding errors
 TINY: Final = float(np.finfo(float).tiny)
 
 
@@ -168,12 +170,24 @@ def beyond_rounding(u: Array, usual: Array) -> Array:
 
 
 def pure_derivatives(system: System, u: Array, p: Array) -> tuple[Array, Array]:
-    """|d^2 F_k / d u_i^2| and |d^3 F_k / d u_i^3|, (n, n) each; p (p_size,)."""
+    """|d^2 F_k / d u_i^2| and |d^3 F_k / d u_i^3|, (n, n) each; p (p_size,). Those of rounding errors are 0.
+
+    What changes by a part of itself where states and parameters change by some hundred roundings is one of those: terms
+    that cancel, by symmetry or by chance. (A zero that is exact, or comes of an exponent that is moved, says nothing.)
+    """
     n = int(system.n)
     directions = np.eye(n, n + len(p))
-    second = np.column_stack([np.abs(system.derivative(u, p, d, d)) for d in directions])
-    third = np.column_stack([np.abs(system.derivative(u, p, d, d, d)) for d in directions])
-    return np.nan_to_num(second, posinf=0.0), np.nan_to_num(third, posinf=0.0)
+
+    def at(u: Array, p: Array) -> Array:
+        orders = [[np.abs(system.derivative(u, p, *order * [d])) for d in directions] for order in (2, 3)]
+        return np.nan_to_num(np.swapaxes(np.array(orders), 1, 2), posinf=0.0)
+
+    here = at(u, p)
+    signs = np.where(np.arange(n + len(p)) % 2 == 0, 1.0, -1.0)
+    for nudge in (NUDGE * signs, NUDGE * np.ones(n + len(p))):
+        there = at(u * (1.0 + nudge[:n]), p * (1.0 + nudge[n:]))
+        here[(np.abs(there - here) > CHANCE * here) & (there > 0.0)] = 0.0
+    return here[0], here[1]
 
 
 def growth_lengths(slopes: Array, second: Array, third: Array) -> Array:

@@ -38,6 +38,8 @@ def message(tmp_path, capsys):
     [
         ("contin: 1\n", "", "case.yaml:1:1: the format version is missing; add `contin: 1`"),
         ("contin: 1", "contin: 7", "case.yaml:1:9: contin: format version 7 is newer"),
+        (GOOD[GOOD.index("continuations") :], "", "case.yaml:1:1: there is nothing to run; write `continuations:`,"),
+        (GOOD[GOOD.index("continuations") :], "continuations: []\n", "case.yaml:1:1: there is nothing to run;"),
         ("model: metronomes/pair\n", "", "'model' is missing; add `model: NAME`"),
         (
             "metronomes/pair",

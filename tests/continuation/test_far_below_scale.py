@@ -41,3 +41,27 @@ def test_a_small_state_beside_a_large_one_that_is_not_coupled_keeps_its_size(siz
     )  # fmt: skip
     end = contin.simulate(growing, time=3.0, samples=2).columns["x"][-1]
     assert end / size == pytest.approx(0.1 * np.e**3 / (1.0 + 0.1 * (np.e**3 - 1.0)), rel=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["flow", "algebraic"])
+def test_a_derivative_that_is_rounding_is_no_length(kind):
+    """A two-bar truss of height 2, in which d^3 F_u/d u^3 vanishes at rest by chance: u had the size 2e8.
+
+    Along u = 0 the bars have length L = (1 + y^2)^(1/2) and P = 2 (L0/L - 1) y, which turns where L^3 = L0 = 5^(1/2).
+    """
+    model = Model(
+        "truss", kind=kind, states={"u": 0.0, "v": 0.0}, parameters={"P": 0.0, "h": 2.0},
+        definitions={
+            "L0": "sqrt(1 + h^2)",
+            "F1": "1 - L0/sqrt((1 + u)^2 + (h - v)^2)", "F2": "1 - L0/sqrt((1 - u)^2 + (h - v)^2)",
+        },
+        equations={"u": "F1*(1 + u) - F2*(1 - u)", "v": "-(F1 + F2)*(h - v) - P"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model), "P", (-3.0, 3.0))
+    rest = np.sqrt(5.0)
+    length = rest ** (1.0 / 3.0)
+    load = 2.0 * (rest / length - 1.0) * np.sqrt(length * length - 1.0)
+    assert sorted(p.values["P"] for p in branch.points) == pytest.approx([-load, load], abs=1e-13)
+    for point in branch.points:
+        assert point.error < 1e-13
+        assert point.normal_form["errors"]["a"] < 1e-7

@@ -103,7 +103,7 @@ def solve(
     if approximate > 0.0:
         sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
         scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
-    drift = (float(np.max(scatter)) + float(lacking[-1])) * along
+    drift = (float(np.max(scatter)) + float(np.max(lacking))) * along
     second, first = (scatter + lacking)[-2:].tolist()
     g[-1] = max(abs(float(g[-1])) - off, 0.0)  # what is not rounding
     return Solution(y, float(np.max(np.abs(g))), first, drift, second, not after * before > 0.0)

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+import contin
+from contin.model.model import Model
 from tests.loci.equilibria.planes import (
     BAUTIN,
     BOGDANOV_TAKENS,
@@ -141,3 +143,17 @@ def test_pitchfork_line_has_one_point_where_its_criticality_changes(seed):
     curve = PITCHFORK.curve("BP1", seed)
     np.testing.assert_allclose(curve.columns["p"], 0.0, atol=1e-9)
     assert_points(curve, [("DP", 0.0, 0.0)])
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3, 1.3])
+def test_a_cusp_at_which_three_test_zeros_coincide_has_c_zero_to_its_error(place):
+    """a + b y + y^5, y = x - place: Newton's method stalls at |y| = 1e-7, and c = 2 y^2 there was beyond its error."""
+    y = f"(x - {place})"
+    model = Model(
+        "butterfly", states={"x": place + 1.0}, parameters={"a": 0.0, "b": -2.0}, equations={"x": f"a + b*{y} + {y}^5"}
+    )
+    box = {"a": (-5.0, 5.0), "b": (-5.0, 5.0)}
+    line = contin.continuation(contin.equilibrium(model), "a", box["a"])
+    (cusp,) = contin.continuation(line["LP1"].locus(("a", "b")), ("a", "b"), box).points
+    assert cusp.type == "CP"
+    assert abs(cusp.normal_form["c"]) <= cusp.normal_form["errors"]["c"]
