@@ -93,11 +93,9 @@ def solve(
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
     aside = max(DIFFERENCE, min(off * float(np.linalg.norm(inverse[:, -1])) / ROUGH, LONGEST))
     after, before = at_rows(function, np.array([y + aside * along, y - aside * along]) * scale).tolist()
-    beside = max(abs(after), abs(before))
     if with_poles:
-        far = FURTHER * aside * along
-        further = np.abs(at_rows(function, np.array([y + far, y - far]) * scale))
-        if abs(float(g[-1])) * size > POLE * beside or bool(np.all(further < np.abs([after, before]))):
+        far = at_rows(function, np.array([y + FURTHER * aside * along, y - FURTHER * aside * along]) * scale)
+        if _is_pole(abs(float(g[-1])) * size, np.array([after, before]), far):
             return None
     approximate = max((limit.accuracy for limit in curve.system.limits), default=0.0)
     if approximate > 0.0:
@@ -107,6 +105,11 @@ def solve(
     second, first = (scatter + lacking)[-2:].tolist()
     g[-1] = max(abs(float(g[-1])) - off, 0.0)  # what is not rounding
     return Solution(y, float(np.max(np.abs(g))), first, drift, second, not after * before > 0.0)
+
+
+def _is_pole(here: float, beside: Array, far: Array) -> bool:
+    """True of a function that changes its sign at a pole: from its values there, beside it and farther away."""
+    return here > POLE * float(np.abs(beside).max()) or bool(np.all(np.abs(far) < np.abs(beside)))
 
 
 def _gradient(
