@@ -145,3 +145,21 @@ def test_exact_averages_have_no_limits():
 def test_a_bad_reach_is_refused():
     with pytest.raises(contin.errors.InputError, match="reach"):
         contin.average(GAUSSIAN, reach=-1)
+
+
+def test_a_function_that_changes_fast_is_averaged_as_far_as_a_rule_goes():
+    """<atan(20 x)^2 sin^2>: no rule serves up to the amplitude 4, one up to 1.7 does, and the branch says so there."""
+    model = oscillator("-a*y + y*atan(20*x)^2", {"a": 1.5}, x=0.4)
+    branch = line(contin.average(model), "a", (1.2, 2.46), start={"r": 0.4})
+    r, a = branch.columns["r"], branch.columns["a"]
+    assert "not accurate any more" in max(branch.ends, key=lambda end: "quadrature" in end.text).text
+
+    def damping(r):
+        def mean(t):
+            return (mpmath.atan(20 * r * mpmath.cos(t)) * mpmath.sin(t)) ** 2
+
+        quarter = [0, mpmath.pi / 4, mpmath.pi / 2 - mpmath.mpf("0.1"), mpmath.pi / 2]
+        return float(4 / mpmath.pi * mpmath.quad(mean, quarter))
+
+    rows = np.linspace(0, len(r) - 1, 5).astype(int)
+    np.testing.assert_allclose(a[rows], [damping(r[k]) for k in rows], rtol=1e-10)

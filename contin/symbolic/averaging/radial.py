@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 SHARES: Final = (1.0, 0.5, 0.25)  # of the way to the ends of the parameters' ranges
+INWARDS: Final = (1.0, 0.5, 0.25)  # parts of the amplitudes up to `reach`, of which the last are those of the starts
 AGREES: Final = 1e-9  # closed form and Gauss rule, relative to the largest value
 SHORT: Final = 60  # nodes of a formula that is worth simplifying
 R: Final = symbol(RADIUS)
@@ -201,13 +202,14 @@ def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
 
     segments = [_segment(arc, setting) for arc in arcs]
 
-    def values(n: int, at: Mapping[str, float] = setting.values) -> Array:
+    def values(n: int, at: Mapping[str, float] = setting.values, radii: Vector = radii) -> Array:
         if _is_whole(region.arcs):
             return turn_values(segments[0].integrand, n, {**at, RADIUS: radii}, odd)
         return arc_values(segments, n, {**at, RADIUS: radii}, fold)
 
-    def values_everywhere(n: int, corners: Sequence[Mapping[str, float]]) -> Array:
-        return np.hstack([values(n, corner) for corner in corners])
+    def values_everywhere(n: int, corners: Sequence[Mapping[str, float]], part: float = 1.0) -> Array:
+        within = radii[0] + part * (radii - radii[0])
+        return np.hstack([values(n, corner, within) for corner in corners])
 
     if closed is not None:
         sin, cos, needs = closed
@@ -217,13 +219,21 @@ def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
         allowed = AGREES * scale + 10 * float(np.max(np.abs(coarse - fine)))
         if np.all(np.isfinite(own)) and np.max(np.abs(own - fine)) <= allowed:
             return Piece(high, bound, sin, cos, region.arcs), needs
-    n = first_size(
-        values_everywhere,
-        ([c for c in corners if _lies_inside(region, radii, c)] for corners in setting.towards_corners()),
-    )
+    corners = [[c for c in some if _lies_inside(region, radii, c)] for some in setting.towards_corners()]
+    n = _size_within(values_everywhere, corners)
     sin, cos, square = rule(n)
     margin = agreement((sin, cos), rule(next_size(n))[:2], square)
     return Piece(high, bound, sin, cos, region.arcs, n, margin), []
+
+
+def _size_within(values: Callable[..., Array], corners: Sequence[Sequence[Mapping[str, float]]]) -> int:
+    """The size of a rule up to the largest amplitudes for which there is one: beyond them branches end, in words."""
+    for part in INWARDS[:-1]:
+        try:
+            return first_size(partial(values, part=part), corners)
+        except InputError:
+            continue
+    return first_size(partial(values, part=INWARDS[-1]), corners)
 
 
 def _segment(arc: Arc, setting: Setting) -> Segment:
