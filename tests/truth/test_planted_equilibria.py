@@ -105,7 +105,7 @@ def test_events_that_rounding_hides_are_one_label_or_none_and_the_branch_goes_on
 
 def test_a_tangency_is_found_wherever_the_rows_about_it_fall():
     """Beside a multiple branch point Newton fails; a trial as far from it on the other side was an ordinary minimum."""
-    for k in range(33):
+    for k in range(0, 33, 3):
         r = 0.1875 + k / 1024
         branch = Planted("one", {"x": f"x*((p - {r!r})^2 - x)"}, {"x": 0.0}, [], (-1.0, 1.0), at=-1.0).follow()
         (point,) = branch.points

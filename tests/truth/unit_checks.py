@@ -275,5 +275,5 @@ CHECKS: dict[str, tuple[Model, Check]] = {
     "a phase diagram of a map": (HENON_PLANE, phases(HENON_PLANE, ("a", "b"))),
     "a phase diagram with a symmetry": (ROTATED, phases(ROTATED, ("p", "k"))),
 }  # fmt: skip
-LONG_ONES = ("loops", "fronts", "a phase diagram of a map")
-SLOW = frozenset(name for name in CHECKS if name.startswith("a phase diagram with") or name in LONG_ONES)
+LONG_ONES = ("loops", "fronts", "a phase diagram of a map", "tori of a forced flow", "a surface of a manifold")
+SLOW = frozenset((*LONG_ONES, *(name for name in CHECKS if name.startswith("a phase diagram with"))))
