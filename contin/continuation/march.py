@@ -378,6 +378,7 @@ def _step(
             continue
         evaluations += found.iterations
         if found.off > decisions.off:
+            found = replace(found, last=nearest)  # its factors are let go of before others are made
             there = problem.linearisation(found.z, last.tangent, scale)
             if there is None:
                 return _Refused(Stop.NOT_FINITE, h, evaluations)

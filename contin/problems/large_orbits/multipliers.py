@@ -45,7 +45,7 @@ def leading(sweeps: Sweeps, velocity: Array) -> Multipliers:
         order = np.argsort(-np.abs(values))[: moving - 1]
         return values[order].astype(complex), vectors[:, order].astype(complex)
     start = np.random.default_rng(23).normal(size=n)
-    found = _arnoldi(quotient, start) if n > 2 * LONGEST else None
+    found = _arnoldi(quotient, start) if n > LONGEST else None
     return _restarted(quotient, start) if found is None else found
 
 

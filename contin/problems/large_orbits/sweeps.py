@@ -28,8 +28,9 @@ from contin.problems.large_orbits.radau import STAGES
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
 
 SMALL: Final = 10_000  # unknowns up to which every interval is factored by itself, solves being quicker
-MANY: Final = 2_000_000  # unknowns times intervals from which factors of all may take over 6 GB, ...
-NUMBERS: Final = 800_000_000  # ... and of bands, whose size is known, the numbers that do
+MANY: Final = 800_000  # unknowns times intervals from which factors of all may take over 2.4 GB (a march has three
+# sets of them), ...
+NUMBERS: Final = 300_000_000  # ... and of bands, whose size is known, the numbers that do
 
 
 class Interval(Protocol):
