@@ -307,3 +307,26 @@ def test_no_subtype_is_stated_between_two():
     assert subtype_within({"theta": 2.0, "delta": 0.6}, errors, True) == "simple case I"
     assert subtype_within({"theta": 2.0, "delta": 0.5}, errors, True).startswith("simple case, degenerate")
     assert subtype_within({"theta": 2.0, "delta": 1e-9}, errors, False).startswith("difficult case, degenerate")
+
+
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize("seed", range(4))
+def test_what_vanishes_has_no_sign_in_any_coordinates(seed, units):
+    """b = 0 or L_NS = 0 of LPPD, theta = 0 or E = 0 of LPNS, p11 = 0 of PDNS: rounding decides no case."""
+    rng, few = np.random.default_rng(seed), units and units[:4]
+    a, b, c = rng.uniform(0.3, 1.5, 3)
+    d = (3 * b * c - 2 * a * a * b - 3 * a * b) / a
+    form = fold_flip(hide(fold_flip_map(a, b, c, d), [0.4, -0.7], rng, 3, kind="map", units=few)[0])
+    assert form.coefficients["case"] == "a > 0, b > 0, degenerate: L_NS is zero to its estimated error"
+    form = fold_flip(hide(fold_flip_map(-a, 0.0, c, d), [0.4, -0.7], rng, 3, kind="map", units=few)[0])
+    assert form.coefficients["case"] == "degenerate: b is zero to its estimated error, a < 0"
+    field = fold_circle_map(1.0, 1j * a, b + 0.3j, c, 0.7)
+    form = fold_neimark_sacker(hide(field, [0.4], rng, 3, kind="map", units=few)[0])
+    assert form.coefficients["case"] == "s = 1, degenerate: theta is zero to its estimated error"
+    field = fold_circle_map(1.0, -a, 1.5 * a * a + a * (1 - 1.5 * c) + 0.3j, c, 0.7)
+    form = fold_neimark_sacker(hide(field, [0.4], rng, 3, kind="map", units=few)[0])
+    assert form.coefficients["case"] == "s = 1, theta < 0, degenerate: E is zero to its estimated error"
+    field = amplitude_map((-1.0, np.exp(0.7j)), [[0.0, a], [b, c]])
+    form = flip_neimark_sacker(hide(field, [0.4], rng, 3, kind="map", units=few)[0])
+    assert form.coefficients["case"] == "degenerate: p11 zero to its error"
+    assert "delta" not in form.coefficients
