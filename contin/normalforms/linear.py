@@ -21,6 +21,8 @@ TIE = 1e-6  # components within this of the largest modulus count as equally lar
 SINGULAR = 1e-13  # a solution this many times its equation's right side has no digits
 ORTHOGONAL = 1e-12  # cosine of two null vectors that is zero with rounding errors
 FEW = 64  # entries of a matrix that are equilibrated as Python's numbers
+MISLED = 1e-6  # of the largest entry: a matrix that makes as much of a unit vector does not take it to zero, ...
+CLOSER = 1e-3  # ... where there is one of which it makes this part of it
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
 
 
@@ -124,7 +126,8 @@ def singular_vectors(matrix: Vector, dimension: int = 1, scale: Real | None = No
 
     The matrix is first measured in the typical sizes of the states, `scale` (n,), where they are known, else in units
     that balance it; then rows and columns are equilibrated, which keeps slow equations beside fast ones. Entries below
-    NOISE of the largest do not take part in that: a row of a singular matrix may be nothing but rounding errors.
+    NOISE of the largest do not take part in that: a row of a singular matrix may be nothing but rounding errors. Where
+    there are larger errors in such a row (of a mesh), which equilibration would make large, there is none.
     """
     d = balance(matrix) if scale is None else scale
     measured = matrix * d / d[:, None]
@@ -132,7 +135,17 @@ def singular_vectors(matrix: Vector, dimension: int = 1, scale: Real | None = No
     r, c = equilibrate(np.where(size > NOISE * size.max(), size, 0.0))
     u, s, vh = np.linalg.svd(r[:, None] * measured * c)
     order = slice(-1, -dimension - 1, -1)
+    missed = _missed(measured, c * vh[-1].conj(), r * u[:, -1])
+    if missed > MISLED * size.max() and np.linalg.svd(measured, compute_uv=False)[-1] < CLOSER * missed:
+        r, c = np.ones(len(r)), np.ones(len(c))
+        u, s, vh = np.linalg.svd(measured)
     return (c * d)[:, None] * vh[order].conj().T, (r / d)[:, None] * u[:, order], s
+
+
+def _missed(matrix: Vector, right: Vector, left: Vector) -> float:
+    """What a matrix makes of vectors that it should take to zero, in their lengths."""
+    right, left = right / np.abs(right).max(), left / np.abs(left).max()
+    return max(norm(matrix @ right) / norm(right), norm(left.conj() @ matrix) / norm(left))
 
 
 def null_pair(

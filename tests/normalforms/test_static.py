@@ -185,3 +185,12 @@ def test_coefficients_that_vanish_are_zero_to_their_errors():
     assert form["kind"] == "transcritical"
     for key in ("a01", "a02"):
         assert abs(form[key]) <= form["errors"][key] < 1e-6
+
+
+def test_errors_of_a_mesh_in_the_row_of_a_null_vector_do_not_hide_it():
+    """Couplings of 1e-10 beside an eigenvalue of 1e-14, which equilibration would make large; a decoupled state."""
+    matrix = np.array([[2.0, 0.0, 0.0], [0.0, -7e-15, 2.5e-10], [0.0, -2.9e-10, 0.998]])
+    pair = null_pair(matrix, -1.0, np.ones(3))
+    np.testing.assert_allclose(np.abs(pair.right), [0, 1, 0], atol=1e-9)
+    np.testing.assert_allclose(np.abs(pair.left), [0, 1, 0], atol=1e-9)
+    assert pair.singular < 1e-12

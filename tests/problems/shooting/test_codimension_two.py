@@ -123,17 +123,19 @@ def test_degenerate_torus(change):
     assert "case" not in form
 
 
-def test_forced_cycles():
-    """y' = p - y^2 + 0.8 s^2, s' = (q - 0.25 y - 0.7 s^2) s, y = x - 1; s turns half round in a forcing period."""
+@pytest.mark.parametrize("method", ["shooting", "collocation"])
+def test_forced_cycles(method):
+    """x' = p - x^2 + 0.8 s^2 and s' = (q - 0.25 x - 0.7 s^2) s, where s turns half round in a forcing period.
+
+    At the point all states rest at 0 but for rounding, and have the sizes of the model's starts.
+    """
     turning = {"a": "cos(t)", "b": "sin(t)"}
-    plane = twisted(f"q - 0.25*(x - 1) - 0.7*{SQUARE}", "-1")
+    plane = {"x": f"p - x^2 + 0.8*{SQUARE}", **twisted(f"q - 0.25*x - 0.7*{SQUARE}", "-1")}
     equations = {n: re.sub(r"\b[ab]\b", lambda m: turning[m.group()], text) for n, text in plane.items()}
-    square = re.sub(r"\b[ab]\b", lambda m: turning[m.group()], SQUARE)
-    equations["x"] = f"p - (x - 1)^2 + 0.8*{square}"
-    model = Model("forced", states={"x": 1.5, "c": 0.0, "d": 0.0}, parameters={"p": 0.25, "q": -0.3},
+    model = Model("forced", states={"x": 0.5, "c": 0.0, "d": 0.0}, parameters={"p": 0.25, "q": -0.3},
                   equations=equations, forcing={"period": "2*pi"})  # fmt: skip
-    start = np.tile([1.5, 0.0, 0.0], (101, 1))
-    orbit = contin.periodic_orbit(model, start, period=T, **SHOT)
+    start = np.tile([0.5, 0.0, 0.0], (101, 1))
+    orbit = contin.periodic_orbit(model, start, period=T, method=method)
     family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down")
     folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-0.5, 0.5), "q": (-0.3, 0.4)})
     form = next(p for p in folds.points if p.type == "LPPD").normal_form

@@ -8,7 +8,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.orbits.mesh.layout import Profile
-from contin.simulate.natural import filled
+from contin.simulate.natural import beyond_rounding, filled
+from contin.simulate.natural import sizes_of as usual_sizes
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
@@ -20,9 +21,12 @@ def state_sizes(family: FamilyOfOrbits, profile: Profile) -> Array:
     """(n,) the largest modulus of every state, an angle's period / (2 pi).
 
     A state that is zero, up to rounding, is taken to be as large as the coupling to the other states makes it; where
-    nothing is coupled to it, as the largest of them: a mere 1 would depend on the units.
+    nothing is coupled to it, as the largest of them: a mere 1 would depend on the units. Of an orbit at rest in the
+    origin (a forced one) the states are as large as in the model's starts.
     """
-    largest = np.abs(profile.u).max(axis=0)
+    usual = usual_sizes(family.system.model, tuple(float(v) for v in family.base))[1]
+    largest = beyond_rounding(np.abs(profile.u).max(axis=0), usual)
+    largest = largest if largest.any() else usual
     periods = family.state_periods
     largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
     small = largest <= TINY_STATE * float(largest.max())
