@@ -157,16 +157,11 @@ class FromStarts(Layout):
         stepper = Stepper(points, p, _size(points, states), self.course.factoriser)
         return flow(stepper, dict(zip(self.starts, x, strict=True)), period * lengths, self.course.known)
 
-    def prepare(self, points: Points, p: Array, states: Array, period: float) -> bool:
+    def prepare(self, points: Points, p: Array, states: Array, period: float) -> None:
         course = self.course
         if course.fixed or (course.measured is not None and norm(states - course.measured[0]) < course.measured[1]):
-            return False
-        before = self._mesh.steps
-        self._adapted(Stepper(points, p, _size(points, states), course.factoriser), points, p, states, period)
-        return self._mesh.steps != before
-
-    def _adapted(self, stepper: Stepper, points: Points, p: Array, states: Array, period: float) -> None:
-        course = self.course
+            return
+        stepper = Stepper(points, p, _size(points, states), course.factoriser)
         for _ in range(PASSES):
             mesh = self._mesh
             found = self._flown(points, p, states, period, mesh.lengths)

@@ -126,8 +126,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.memory.solvers = frame.gauge.copy() if isinstance(frame.gauge, Solvers) else None
-        self.prepare(origin.z)
+        self.prepare(origin.z, frame.gauge if isinstance(frame.gauge, Solvers) else None)
         self.settle(origin.z, origin.tangent, frame.scale)
         self.memory.origin = origin
         limit = min(limit, self.maximum_chunk)

@@ -133,10 +133,11 @@ class LargeOrbitEquations(InOneParameterProblem):
         self.memory.reference = z[:-2].copy()
         self.memory.direction = weighted / max(norm(weighted * scale[:-2]), 1e-300)
 
-    def prepare(self, z: Array) -> None:
-        """Called where a march sets out from z: what the mesh is made for."""
-        if self.layout.prepare(self.points, self.full_parameters(z), z[:-2], float(z[-2])):
-            self.memory.solvers = None
+    def prepare(self, z: Array, known: Solvers | None = None) -> None:
+        """Called where a march sets out from z, which the mesh is made for, with what is known of it from before."""
+        self.layout.prepare(self.points, self.full_parameters(z), z[:-2], float(z[-2]))
+        fits = known is not None and np.array_equal(known.h, self.profile(z).h)
+        self.memory.solvers = known.copy() if known is not None and fits else None
 
     def _unsettled(self) -> bool:
         return self.memory.direction is None
@@ -169,7 +170,7 @@ class LargeOrbitEquations(InOneParameterProblem):
         recycled = {} if memory.solvers is None else memory.solvers.recycled
         memory.solvers = None  # what takes so much memory is let go of before the next is made
         sweeps = Sweeps.of(found, orbit.period * orbit.h, memory.factoriser, self.source.mass)
-        memory.solvers = Solvers(z.copy(), sweeps, recycled=recycled)
+        memory.solvers = Solvers(z.copy(), orbit.h, sweeps, recycled=recycled)
         self.layout.remember(sweeps)
         return memory.solvers
 

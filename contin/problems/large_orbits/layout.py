@@ -30,8 +30,8 @@ class Layout(ABC):
         """The orbit at all points; NaN where there is none."""
 
     @abstractmethod
-    def prepare(self, points: Points, p: Array, states: Array, period: float) -> bool:
-        """Called where a march sets out: the mesh is that of this orbit. True where it has become another one."""
+    def prepare(self, points: Points, p: Array, states: Array, period: float) -> None:
+        """Called where a march sets out: the mesh is that of this orbit."""
 
     @abstractmethod
     def remember(self, sweeps: Sweeps) -> None:
@@ -90,8 +90,8 @@ class OnPoints(Layout):
     def orbit(self, points: Points, p: Array, states: Array, period: float) -> Trajectory:
         return Trajectory(states.reshape(self.intervals, STAGES, -1), period)
 
-    def prepare(self, points: Points, p: Array, states: Array, period: float) -> bool:
-        return False
+    def prepare(self, points: Points, p: Array, states: Array, period: float) -> None:
+        return
 
     def remember(self, sweeps: Sweeps) -> None:
         return

@@ -27,6 +27,7 @@ class Solvers:
     """The factors of one point, and what solves with them, and with those of points nearby, have learnt."""
 
     z: Array
+    h: Array  # lengths of the intervals
     sweeps: Sweeps
     answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # to dT and dp, by places of parameters
     recycled: dict[int, Recycled] = field(default_factory=dict)  # by the number of conditions
