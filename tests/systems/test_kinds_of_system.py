@@ -113,7 +113,7 @@ VERBS = {
     "simulate, until": lambda m: contin.simulate(m, time=10.0, until="x > 10"),
     "simulate, stiff": lambda m: contin.simulate(m, time=10.0, method="Radau", samples=20),
     "sweep": lambda m: contin.sweep(m, "A", (0.6, 0.8), steps=1),
-    "lyapunov": lambda m: contin.lyapunov(m, time=4.0, count=1),
+    "lyapunov": lambda m: contin.lyapunov(m, time=1.0, count=1),
     "scan": lambda m: contin.scan(m, {"A": [0.3, 0.6]}),
     "diagram": lambda m: contin.diagram(m, "A", (0.1, 0.6) if m.kind == "map" else (0.5, 1.5), settings={"steps": 10}),
     "phase": lambda m: contin.phase(
@@ -127,7 +127,9 @@ VERBS = {
     "deflated": lambda m: contin.deflated(m, "A", (0.1, 1.2), samples=1, settings={"steps": 4}),
     "draw": lambda m: contin.draw(line(m)),
     "connection": lambda m: contin.connection(m, {"x": 1.0, "y": 1.0}),
-    "manifold": lambda m: contin.manifold(m, {"x": 1.0, "y": 1.0}, VALUES | {"B": 2.5}, length=1.0),
+    "manifold": lambda m: contin.manifold(
+        m, {"x": 1.0, "y": 1.0}, VALUES | {"B": 2.5}, length=1.0, spacing=1.0, samples=20
+    ),
     "torus": lambda m: contin.torus(m, "A", (0.1, 2.0), start={"x": 1.3, "y": 1.2}),
     "boundary_problem": contin.boundary_problem,
 }

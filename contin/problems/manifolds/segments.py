@@ -9,6 +9,7 @@ close.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
@@ -171,8 +172,10 @@ class Grower:
         sign = -1.0 if self.backward else 1.0
 
         def rate(_: float, y: Array) -> Array:
-            f = sign * np.asarray(self.system.value(y[:-1], self.p))
-            return np.append(f, np.linalg.norm(f))
+            out = np.empty_like(y)
+            f = np.multiply(sign, self.system.value(y[:-1], self.p), out=out[:-1])
+            out[-1] = math.sqrt(np.dot(f, f))
+            return out
 
         def reached(_: float, y: Array) -> float:
             return float(y[-1] - s[-1])
