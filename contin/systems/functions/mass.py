@@ -64,7 +64,7 @@ class Mass:
         named = ", ".join(map(str, still[:6])) + (", ..." if still.size > 6 else "")
         return f"equations {named} are algebraic" if still.size > 1 else f"equation {named} is algebraic"
 
-    @property
+    @cached_property
     def is_diagonal(self) -> bool:
         matrix = self.matrix.tocoo()
         return bool(np.all(matrix.row == matrix.col))
@@ -73,7 +73,7 @@ class Mass:
     def is_regular(self) -> bool:
         """Whether M can be divided by."""
         if self.is_diagonal:
-            return bool(np.all(self.matrix.diagonal() != 0.0))
+            return bool(np.all(self._diagonal != 0.0))
         rows, columns = (np.asarray(abs(self.matrix).sum(axis=axis)).ravel() for axis in (0, 1))
         if not (np.all(rows > 0.0) and np.all(columns > 0.0)):
             return False
@@ -85,13 +85,17 @@ class Mass:
         return bool(np.all(np.isfinite(y))) and float(np.abs(y).sum()) * size * size * SINGULAR * SINGULAR < 1.0
 
     @cached_property
+    def _diagonal(self) -> Array:
+        return np.asarray(self.matrix.diagonal())
+
+    @cached_property
     def _linear(self) -> DirectLinear:
         return DirectLinear(self.matrix, Factoriser())
 
     def divide(self, right: Vector) -> Vector:
         """M^-1 right, of columns too."""
         if self.is_diagonal:
-            return np.asarray((np.asarray(right).T / self.matrix.diagonal()).T)
+            return np.asarray((np.asarray(right).T / self._diagonal).T)
         if np.ndim(right) == 1:
             return np.asarray(self._linear.solve(np.asarray(right)))
         return np.column_stack([self._linear.solve(column) for column in np.asarray(right).T])
