@@ -17,7 +17,8 @@ from contin.bvp import marched, special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.functionals import columns_of, functions_at, own_column
-from contin.bvp.kernel_at_branch_point import undetermined
+from contin.bvp.kernel_at_branch_point import smallest, undetermined
+from contin.bvp.on_mesh import OnMesh
 from contin.bvp.sizes import couplings, filled, moved, noticed
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
@@ -32,6 +33,8 @@ from contin.problems.scales import parameter_width
 
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge a size by this factor at most
 STANDING = 1e-9  # part of the tangent below which the parameter does not change
+TRIVIAL = 1e-6  # of the tolerance: a solution with a smaller error says nothing about its mesh
+TINY = 1e-8  # of the largest: such a function is none
 SAME = 1e-6  # difference of two solutions, relative to their sizes, up to which they are one
 
 
@@ -143,7 +146,9 @@ class BoundaryProblem(BoundaryEquations):
         if end is not None:
             return Renewal(frame.scale, origin, before, loop, end)
         profile = self.profile(origin.z)
-        fit = refitted(self, profile, self.sizes(origin.z, frame.scale), 1.0)
+        sizes = self.sizes(origin.z, frame.scale)
+        trivial = self.intervals is None and estimate(profile, sizes, self.closed)[0] < TRIVIAL * self.tolerance
+        fit = refitted(self, profile, sizes, 1.0, self._nearest_to_null(origin.z) if trivial else None)
         if fit is None:
             return Renewal(frame.scale, origin, before, loop)
         scale = make_scale(fit.h, self.points, fit.sizes, 1.0, float(frame.scale[-1]))
@@ -151,6 +156,20 @@ class BoundaryProblem(BoundaryEquations):
         first, earlier, start = move.each(origin, before, loop)
         assert first is not None
         return Renewal(scale, first, earlier, start)
+
+    def _nearest_to_null(self, z: Array) -> Array | None:
+        """(nodes, k) of largest value 1: the functions by which another branch would leave this one.
+
+        A trivial solution has no need of a mesh, but its branch points are as accurate as these are on it.
+        """
+        mesh = OnMesh(self, self.profile(z).h)
+        x = mesh.unknowns(z)
+        if mesh.linear(x) is None:
+            return None
+        functions = smallest(mesh, x, 1)[1].reshape(-1, self.n)
+        largest = np.abs(functions).max(axis=0)
+        known = largest > TINY * largest.max()
+        return np.asarray(functions[:, known] / largest[known])
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         one, other = self.profile(a.z), self.profile(b.z)

@@ -78,6 +78,14 @@ def test_eigenvalues_are_branch_points_and_their_branches_are_elliptic_functions
     assert fork.columns["q"][small] == pytest.approx(1.0 + 0.375 * (a / np.pi) ** 2, abs=1e-6)
 
 
+def test_the_mesh_of_a_trivial_solution_serves_the_functions_that_branch_off():
+    """sin(n pi x) up to n = 12: on the ten intervals that u = 0 asks for, the twelfth was 7e-5 off."""
+    line = follow(SINE, "q", (0.5, 12.5), direction="up")
+    assert [p.type for p in line.points] == ["BP"] * 12
+    for n, point in enumerate(line.points, 1):
+        assert abs(point.values["q"] - n) <= point.error < 1e-9
+
+
 def test_an_integral_condition_frees_a_parameter():
     """u'' = -lam, u(0) = u'(1) = 0: integral(u) = lam/3."""
     parts = {

@@ -19,6 +19,7 @@ from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 
+SETTINGS: Final = Settings()
 ORDER: Final = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
 
 
@@ -36,7 +37,7 @@ class AdaptiveCurve(AugmentedCurve):
         base, inner = self.base, self.base.inner(frame.scale)
         problem, profile = base.at(origin.z), base.profile(origin.z)
         sizes, period = problem.sizes(base.inner(origin.z), inner), float(inner[profile.u.size])
-        fit = refitted(problem, profile, sizes, period)
+        fit = refitted(problem, profile, sizes, period, base.null_functions(origin.z))
         if fit is None:
             return Renewal(frame.scale, origin, before, loop)
         own = make_scale(fit.h, profile.m, fit.sizes, fit.period, float(inner[-1]))
@@ -66,6 +67,12 @@ class AdaptiveCurve(AugmentedCurve):
             make_scale(h, profile.m, sizes, float(inner[profile.u.size]), float(inner[-1])), base.rest(frame.scale)
         )
         return self._moved(near, frame.scale, scale, h), Frame(scale)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[AdaptiveCurve, Sample, Frame] | None:
+        """Of a point of the curve that has no defining system (a user value), by which its error is told."""
+        near, finer = self.finer(sample, frame)
+        found = self.probe(near, 0.0, near.z.copy(), finer, SETTINGS)
+        return None if found is None else (self, found, finer)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """As solved on the mesh of the curve, with the error by which it moves on a finer one."""

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 
+ROUNDING = 1e-8  # of the largest: null functions below this are none
 CUSP = 2  # place of the test of cusps among those of a sample
 
 
@@ -118,6 +119,23 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         if old is not None and float(_sums(found.left, n) @ _sums(old.left, n)) < 0.0:
             found = Borders(-found.left, found.right)
         return found
+
+    def null_functions(self, z: Array) -> Array | None:
+        """Along a trivial solution they are all that needs a mesh."""
+        if not self.type:
+            return None
+        profile, where = self.profile(z), np.delete(self.where(z), self._unfolding(z))
+        on_mesh = _OnMesh(self, profile.h, z, np.ones(len(where)))
+        here = on_mesh.at(z[where])
+        found = None
+        if here is not None:
+            found = singular(on_mesh, z[where], here[1], self._borders(z, np.ones(z.size)), slopes=False)
+        if found is None:
+            return None
+        functions = np.hstack([v[: profile.u.size].reshape(profile.u.shape) for v in found.right.T])
+        largest = np.abs(functions).max(axis=0)
+        known = largest > ROUNDING * largest.max()
+        return np.asarray(functions[:, known] / largest[known])
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         tests = np.zeros(0)

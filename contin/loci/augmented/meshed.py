@@ -138,6 +138,10 @@ class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         return self.problem.default_range(parameter)
 
+    def null_functions(self, z: Array) -> Array | None:
+        """(nodes, k) of the special solution at z, of largest value 1, which the mesh is to serve too, or None."""
+        return None
+
     def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
         triples = zip(self.names, self.values(z), ranges, strict=True)
         widths = [parameter_width(self.model, name, float(v), ends) for name, v, ends in triples]

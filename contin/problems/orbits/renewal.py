@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,15 +51,24 @@ class Fit:
     period: float
 
 
-def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float) -> Fit | None:
-    """What fits an orbit better than its mesh, these sizes and this scale of the period; None where they still do."""
+def refitted(
+    problem: Meshed, profile: Profile, sizes: Array, period: float, beside: Array | None = None
+) -> Fit | None:
+    """What fits an orbit better than its mesh, these sizes and this scale of the period; None where they still do.
+
+    beside (nodes, k) : functions that are to be as accurate, such as null vectors; of each its largest value is 1.
+    """
     grown = np.maximum(sizes, state_growth(problem, profile, sizes))
     longer = 2.0 * profile.period if profile.period > period else period
     h = profile.h
-    estimated = estimate(profile, grown, problem.closed)
+    whole, accurate = profile, grown
+    if beside is not None:
+        whole = replace(profile, u=np.hstack([profile.u, beside]))
+        accurate = np.append(grown, np.ones(beside.shape[1]))
+    estimated = estimate(whole, accurate, problem.closed)
     error, fixed = estimated[0], problem.intervals
     if error > NEARLY * problem.tolerance or fixed != len(h):
-        chosen = choose_mesh(profile, grown, problem.tolerance, fixed, estimated, problem.closed)
+        chosen = choose_mesh(whole, accurate, problem.tolerance, fixed, estimated, problem.closed)
         unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
         if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
             h = chosen.h

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import mathieu_a
 
 import contin
 from contin.bvp.from_guess import boundary_guess
@@ -93,3 +94,23 @@ def test_extrema_of_a_functional():
     best = found["EX1"]
     assert best.values["b"] == pytest.approx(1.0, abs=1e-8)
     assert best.values["mass"] == pytest.approx(1 / 6, rel=1e-9)
+
+
+def test_characteristic_values_of_mathieus_equation():
+    """u'' = -(a - 2 q cos 2x) u with u' = 0 at 0 and pi: a_1(q), on meshes that serve the eigenfunction.
+
+    The solution is u = 0 all along: on the mesh that it asks for a was 1e-5 off at q = 10, and the error stated as 0.
+    """
+    model = Model(
+        "mathieu", kind="bvp", time={"name": "x", "from": 0, "to": "pi"}, states={"u": 0, "v": 0},
+        parameters={"a": 0.0, "q": 1.0}, equations={"u": "v", "v": "-(a - 2*q*cos(2*x))*u"},
+        conditions=["v(start) = 0", "v(end) = 0"],
+    )  # fmt: skip
+    line = contin.continuation(boundary_guess(model), "a", (0.0, 3.0), direction="up")
+    assert abs(line["BP1"].values["a"] - mathieu_a(1, 1.0)) <= line["BP1"].error
+    box, marked = {"a": (-30.0, 20.0), "q": (0.0, 12.0)}, [5.0, 10.0]
+    curve = contin.continuation(line["BP1"].locus(("a", "q")), ("a", "q"), box, values={"q": marked})
+    points = sorted((p for p in curve.points if p.type == "UZ"), key=lambda p: p.values["q"])
+    assert [p.values["q"] for p in points] == marked
+    for point in points:
+        assert abs(point.values["a"] - mathieu_a(1, point.values["q"])) <= point.error < 1e-7
