@@ -26,6 +26,8 @@ from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.linearised.multipliers import nontrivial, without
 from contin.problems.orbits.measured.columns import names_of, orbit_columns, with_observables
+from contin.problems.orbits.normal_forms.codimension_two import has_coefficients, with_coefficients
+from contin.problems.orbits.special_orbits.defining import special_on_finer_mesh
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -36,6 +38,7 @@ FIRST: Final = 2  # place of the first test among those of a sample
 CRITICAL: Final = {"LPC": [1.0 + 0.0j], "BPC": [1.0 + 0.0j], "PD": [-1.0 + 0.0j]}
 TYPES: Final = {"LPC": ("R1", "LPPD", "LPNS"), "PD": ("LPPD", "R2", "PDNS"), "BPC": ()}  # by tests: at 1, at -1, a pair
 MOVED: Final = (1, 1, 2)
+WITHOUT: Final = "cycles with algebraic states, on curves of BPC, or that are not found on a finer mesh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +187,19 @@ class OrbitBase(MeshedBase[OrbitProblem]):
     def described(self, type_: str, point: Verified, scale: Array) -> Outcome:
         others = self._others(point.z, point.eigenvalues)
         away = np.abs(np.abs(others) - 1.0) > 1e-6
-        return with_remark(replace(point, unstable=int(np.sum(np.abs(others[away]) > 1.0))), "cycles")
+        told = replace(point, unstable=int(np.sum(np.abs(others[away]) > 1.0)))
+        return with_remark(self._with_coefficients(told, scale), WITHOUT)
+
+    def _with_coefficients(self, point: Verified, scale: Array) -> Verified:
+        """By the return map, with that of the special orbit in the first parameter on a mesh of half the lengths."""
+        if self.type == "BPC" or not has_coefficients(point.type, self.system):
+            return point
+        problem, z, metric = self.at(point.z), self.inner(point.z), self.inner(scale)
+        finer = special_on_finer_mesh(problem, self.type, z, metric)
+        if finer is None:
+            return point
+        fine = OrbitLinear(problem, finer.z, finer.scale, finer.z)
+        return with_coefficients(point, 0.0, OrbitLinear(problem, z, metric, z), fine)
 
     # -- columns -------------------------------------------------------------------------------------------------------
 

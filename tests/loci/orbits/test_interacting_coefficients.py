@@ -166,3 +166,22 @@ def test_a_sign_that_the_mesh_does_not_tell_is_not_stated():
     form = fold_form({"x": "p - x^2", "c": x, "d": y}, "LPNS")
     assert "degenerate" in form["case"]
     assert form.get("s", 0) == 0
+
+
+def test_under_a_condition_it_is_the_same_point():
+    """s' = (2 q/3 + r + ..) s with r = q/2: the growth is 7 q/6, and vanishes at the same cycle."""
+    turning = {"a": "cos(t)", "b": "sin(t)"}
+    plane = {"x": f"p - x^2 + 0.8*{SQUARE}"}
+    plane |= twisted(f"2*q/3 + r + 0.25*x + 0.4*x^2 - 0.7*{SQUARE}", "-1")
+    equations = {n: re.sub(r"\b[ab]\b", lambda m: turning[m.group()], text) for n, text in plane.items()}
+    model = Model("under", states={"x": 0.5, "c": 0.0, "d": 0.0}, parameters={"p": 0.25, "q": -0.1, "r": -0.05},
+                  equations=equations, forcing={"period": "2*pi"})  # fmt: skip
+    orbit = contin.periodic_orbit(model, np.tile([0.5, 0.0, 0.0], (101, 1)), period=T)
+    family = contin.continuation(orbit, "p", (-0.1, 0.3), direction="down")
+    seed = family["LPC1"].locus(("p", "q"))
+    box = {"p": (-0.1, 0.3), "q": (-0.1, 0.1)}
+    folds = contin.continuation(seed, ("p", "q"), box, conditions=["r = q/2"], free=["r"])
+    form = next(p for p in folds.points if p.type == "LPPD").normal_form
+    assert_within(form, "a", 4.0)
+    assert_within(form, "c", 16.0)
+    assert_within(form, "b", -0.2 * T * T)

@@ -50,9 +50,9 @@ def solve_special(
     if found is None:
         return None
     profile = problem.profile(found.z)
-    finer, finer_scale = on_finer_mesh(problem, found.z, scale)
-    refined = _newton(problem, type_, finer.vector(), finer_scale, found.theta, samples=0)
+    refined = special_on_finer_mesh(problem, type_, found.z, scale, found.theta)
     if refined is None:
+        finer, finer_scale = on_finer_mesh(problem, found.z, scale)
         interpolated = replace(found, z=finer.vector(), scale=finer_scale)
         error = found.error + float(scale[-1]) * problem.tolerance
         return replace(found, error=error, finer=interpolated, confirmed=False)
@@ -88,6 +88,14 @@ def on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> tuple[Prof
     finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
     period = float(scale[profile.u.size])
     return finer, make_scale(finer.h, profile.m, problem.sizes(z, scale), period, float(scale[-1]))
+
+
+def special_on_finer_mesh(
+    problem: OrbitEquations, type_: str, z: Array, scale: Array, theta: float = 0.0
+) -> SolvedOrbit | None:
+    """The special orbit on a mesh of half the lengths."""
+    finer, finer_scale = on_finer_mesh(problem, z, scale)
+    return _newton(problem, type_, finer.vector(), finer_scale, theta, samples=0)
 
 
 def same_period_on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> Array | None:
