@@ -122,6 +122,7 @@ def decimal(text: str, position: int = 0) -> Expression:
 
 
 _OF_LIBRARIES: Final = re.compile(r"(?<![\w.])(np|numpy|math|scipy|sympy|sp|cmath|torch|jnp|jax)\Z")
+_NO_NUMBER: Final = re.compile(r"\.(inf|nan)\b", re.IGNORECASE)  # as YAML writes infinity
 _WORD: Final = re.compile(r"[^\W\d]\w*\(?")
 
 
@@ -142,6 +143,9 @@ def _unknown_character(text: str, position: int, offset: int = 0) -> ExpressionE
             instead = f"{after[0]}x)" if after[0].endswith("(") else after[0]
             return ExpressionError(f"functions stand without their library: write {instead}", offset + position)
         return ExpressionError("names may not contain a dot; write an underscore: a_b", offset + position)
+    if _NO_NUMBER.match(text[position:]):
+        shown = text[position : position + 4]
+        return ExpressionError(f"{shown} is no number here: write a finite one", offset + position)
     past = features.of_brackets(text[position:])
     if past:
         return ExpressionError(f"a value at another time: {past}", offset + position)

@@ -71,7 +71,7 @@ def test_several_mistakes_are_reported_at_once_in_the_order_of_the_file():
         ("name: good\n", "", "'name' is missing; add `name: my-model`"),
         ("value: 3.0", "value: abc", "m.yaml:5:14: states.y.value: unknown name 'abc'"),
         ("value: 3.0", "value: true", "m.yaml:5:14: states.y.value: expected a number or a formula, got true"),
-        ("value: 3.0", "value: .inf", "m.yaml:5:14: states.y.value: unexpected character '.'"),
+        ("value: 3.0", "value: .inf", "m.yaml:5:14: states.y.value: .inf is no number here: write a finite one"),
         ("value: 3.0", "guess: 3.0", "m.yaml:5:7: states.y.guess: unknown key: allowed are value, unit"),
         ("{value: 3.0}", "", "m.yaml:5:3: states.y: expected a number or a formula, got nothing"),
         ("{value: 3.0}", "[1]", "m.yaml:5:6: states.y: expected a number or a formula, got a list"),
