@@ -16,7 +16,8 @@ def model(equation, *, boundary="u = 0", lam=0.0, **axis):
 
 
 def fold(problem, upper):
-    return contin.continuation(problem, "lam", (0, upper), direction="up", settings={"steps": 40})["LP1"]
+    to_fold = {"steps": 40, "stop_at": ("LP",)}
+    return contin.continuation(problem, "lam", (0, upper), direction="up", settings=to_fold)["LP1"]
 
 
 def test_bratu_fold_on_an_interval():

@@ -57,7 +57,7 @@ def brusselator(m):
 
 
 def fold_curve(n, sparse):
-    line = contin.continuation(combustion(n, sparse), "lam", (0, 6))
+    line = contin.continuation(combustion(n, sparse), "lam", (0, 6), settings={"stop_at": ("LP",)})
     return contin.continuation(line["LP1"].locus(), ["lam", "e"], {"lam": (2, 10), "e": (0, 0.4)})
 
 

@@ -64,7 +64,7 @@ def test_a_regular_mass_matrix_changes_no_label_and_no_coefficient(m):
 def test_a_regular_mass_matrix_changes_no_curve_of_folds():
     plain, curves = combustion(70), []
     for f in (weighed(plain, regular(70)), plain):
-        fold = contin.continuation(f, "lam", (0, 6))["LP1"]
+        fold = contin.continuation(f, "lam", (0, 6), settings={"stop_at": ("LP",)})["LP1"]
         curves.append(contin.continuation(fold.locus(), ["lam", "e"], {"lam": (2, 10), "e": (0, 0.4)}))
     assert assert_alike(*curves) == ["CP"]
 
