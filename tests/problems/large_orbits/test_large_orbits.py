@@ -135,7 +135,8 @@ def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_cu
         },
     })  # fmt: skip
     line = contin.continuation(problem, "mu", (-0.5, 0.2))
-    found = contin.continuation(line["HB1"].switch(), "mu", (-0.4, 0.1), settings={"intervals": 10, "steps": 25})
+    to_fold = {"intervals": 10, "steps": 25, "stop_at": ("LPC",)}
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.4, 0.1), settings=to_fold)
     curve = contin.continuation(found["LPC1"].locus(), ("mu", "c"), {"mu": (-0.6, 0), "c": (0.9, 1.1)})
     c = curve.columns["c"]
     np.testing.assert_allclose(curve.columns["mu"], -(c**2) / 4, atol=MESH)

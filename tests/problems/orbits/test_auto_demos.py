@@ -29,7 +29,7 @@ def test_a_curve_of_period_doublings_ends_at_the_homoclinic_orbits_that_it_follo
     """At the end the rotation in phase is the homoclinic one of the pendulum phi'' + eps phi' + sin phi = I, with the
     saddle sin phi = I, cos phi < 0."""
     model = pendula()
-    family = contin.continuation(contin.periodic_orbit(model, {}), "I", (0.0, 1.0))
+    family = contin.continuation(contin.periodic_orbit(model, {}), "I", (0.0, 1.0), settings={"stop_at": ("PD",)})
     curve = contin.continuation(family["PD1"].locus(("I", "eps")), ("I", "eps"), {"I": (0, 3), "eps": (0, 3)})
     # without friction and drive another multiplier is 1: at that end of the range rounding says whether it passes 1
     inside = [point for point in curve.points if point.values["eps"] > point.error]
@@ -78,7 +78,7 @@ def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step()
         },
     )  # fmt: skip
     line = contin.continuation(contin.equilibrium(model), "y", (-0.05, 0.3))
-    family = contin.continuation(line["HB1"].switch(), "y", (-0.05, 0.3))
+    family = contin.continuation(line["HB1"].switch(), "y", (-0.05, 0.3), settings={"stop_at": ("LPC",)})
     assert family["LPC1"].values["y"] == pytest.approx(0.08456948, abs=2e-8)  # MatCont's tutorial
     places = []
     for step in (0.03, 0.1):
