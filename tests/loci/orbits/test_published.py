@@ -11,6 +11,7 @@ import pytest
 import contin
 
 LORENZ_HOMOCLINIC = 13.926557407520  # s = 10, b = 8/3: Sparrow (1982) gives 13.926; the digits are from shooting
+TO_FOLD = {"stop_at": ("LPC",)}
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def beats(slow):
     line = contin.continuation(start, "mu", (1, 8))
     fork = contin.continuation(line["BP1"].switch(), "mu", (3, 8))
     small = contin.continuation(fork["HB1"].switch(), "mu", (1, 8))
-    return small, contin.continuation(small["HOM1"].switch(), "mu", (1, 8))
+    return small, contin.continuation(small["HOM1"].switch(), "mu", (1, 8), settings=TO_FOLD)
 
 
 def test_large_beats_of_the_averaged_pair_fold_where_shooting_finds_them(beats):
@@ -45,7 +46,7 @@ def test_large_beats_of_the_averaged_pair_fold_where_shooting_finds_them(beats):
 def test_turning_beats_of_the_averaged_pair_fold_where_shooting_finds_them(slow):
     p = {"mu": 2.0, "beta": 0.78}
     orbit = contin.periodic_orbit(slow, {"S1": 0.05, "S2": 8.0, "S3": 0.001}, p)
-    turning = contin.continuation(orbit, "mu", (0.5, 2.5), direction="down")
+    turning = contin.continuation(orbit, "mu", (0.5, 2.5), direction="down", settings=TO_FOLD)
     box = {"beta": (0.75, 0.82), "mu": (0.3, 2)}
     found = through(turning["LPC1"], ("beta", "mu"), box, "beta", 0.8, "mu")
     assert found == pytest.approx([0.7153214039], abs=2e-9)
@@ -71,7 +72,7 @@ def test_folds_of_cycles_of_the_reactor_abc_turn_where_auto_finds_it():
     """AUTO-07p, demo abc, NTST 50, EPSL 1e-10: alpha = 0.982182587 at D = 0.219982798, period 6.954906605."""
     reactor = contin.load("classics/reactor-abc")
     line = contin.continuation(contin.equilibrium(reactor), "D", (0, 0.4))
-    cycles = contin.continuation(line["HB1"].switch(), "D", (0, 0.4))
+    cycles = contin.continuation(line["HB1"].switch(), "D", (0, 0.4), settings=TO_FOLD)
     names, box = ("D", "alpha"), {"D": (0.15, 0.3), "alpha": (0.9, 1.1)}
     folds = contin.continuation(cycles["LPC1"].locus(names), names, box, settings={"max_step": 0.01})
     alpha, damkoehler, period = (folds.columns[name] for name in ("alpha", "D", "period"))
