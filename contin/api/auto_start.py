@@ -20,7 +20,7 @@ from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters
 from contin.api.searches import find_equilibria
 from contin.api.zeros_held import with_zeros_held
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.told import Told
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented import of_orbits, of_points
 from contin.loci.equilibria.equilibrium_locus import LocusProblem

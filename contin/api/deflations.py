@@ -12,7 +12,7 @@ from contin.api.branches import continuation
 from contin.api.seeds import as_seed, bounds_of
 from contin.api.starts import equilibrium
 from contin.continuation.branch import Branch
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.diagram.diagram import Diagram
 from contin.errors import InputError, NoSolutionError, NotFiniteError

@@ -14,8 +14,8 @@ from contin.api.searches import find_equilibria, reach_of
 from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, targets_of
 from contin.api.solutions import solution
 from contin.api.starts import equilibrium
-from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer

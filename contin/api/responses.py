@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.api.machine_code import compiled
 from contin.api.searches import reach_of
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.orbits import known_orbit
 from contin.errors import ContinError
 from contin.search.equilibria_in_box import make_box

@@ -10,9 +10,9 @@ from contin.abi import Array
 from contin.api.fixed_totals import varying
 from contin.api.starts import equilibrium
 from contin.continuation.branch import LocusStart
-from contin.continuation.departure import Seed
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.user_value import Target
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.model.advice import closest, place_of_parameter
 from contin.model.model import Model

@@ -21,8 +21,8 @@ from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.sizes import couplings, filled, moved, noticed
 from contin.continuation.branch import End
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.problems.orbits.mesh.adaption import estimate
 from contin.problems.orbits.mesh.finer import on_half_lengths

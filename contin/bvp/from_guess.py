@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.special_points import at_parameter_from_afar
 from contin.bvp.two_point import TwoPoint, two_point
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError, NoSolutionError
 from contin.model.model import Model
 from contin.problems.orbits.mesh.adaption import choose_mesh

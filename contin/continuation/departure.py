@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.arm import Arm
-from contin.continuation.branch import End, Parent
+from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.last_step import Course
 from contin.continuation.location.bounds import walls_passed
@@ -19,46 +18,16 @@ from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
 from contin.continuation.location.own_tests import own_tests
 from contin.continuation.location.targets import Wanted
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, in_two_parameters
+from contin.continuation.outset import oriented, passed_over, set_out
+from contin.continuation.problem import Chunk, Frame, Sample, Verified, in_two_parameters
+from contin.continuation.seed import Seed
 from contin.continuation.segment import Piece
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NotFiniteError
-from contin.machine import elementary
 
 NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
 FOLDS = ("LP", "LPC")
 BEYOND = 1e-9  # of the range: a start this far outside it was solved for, and lies on its bound
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Seed:
-    """Where a branch starts.
-
-    `direction` and `scale` are given for branches born at a special point: the unit tangent there in scaled unknowns.
-    `curvature` is the second-order term of the branch: z(s) = z + scale * (s direction + s^2 curvature / 2).
-    `arms` are the senses to follow: -1 against, +1 along the direction (or the parameter, at an ordinary start).
-    """
-
-    problem: Problem
-    z: Array
-    direction: Array | None = None
-    curvature: Array | None = None
-    scale: Array | None = None
-    arms: tuple[int, ...] = (-1, 1)
-    parent: Parent | None = None
-    symmetries: tuple[str, ...] = ()  # declared symmetries that map one half of the new branch onto the other
-    reach: float | None = None  # a scaled distance from z at which the branch is told from its neighbours
-    beside: Mapping[int, Array] = field(default_factory=dict)  # by arm: a point on it, where no order of terms tells it
-    measured: tuple[int, NDArray[np.complex128]] | None = None  # unstable count and eigenvalues at z, where known
-
-    def __repr__(self) -> str:
-        born = f" born at {self.parent.branch}.{self.parent.label}" if self.parent is not None else ""
-        varied = " and ".join(getattr(self.problem, "parameters", ()))
-        return f"<start of a branch of kind {self.problem.kind!r} in {varied}{born}>"
-
-    @property
-    def born(self) -> bool:
-        return self.direction is not None
 
 
 @runtime_checkable
@@ -108,8 +77,14 @@ class Departure:
         course = Course(
             problem, self.bounds, self.settings, wanted, self.known, seed.symmetries, foundling=seed.parent is None
         )
-        arm = Arm(course, origin, self.scale.copy(), _oriented(self.start, sense), march)
-        return arm, [Piece.single(origin, self.scale)] if seed.born else []
+        arm = Arm(course, origin, self.scale.copy(), oriented(self.start, sense), march)
+        return arm, [self._first_row(origin, sense)] if seed.born else []
+
+    def _first_row(self, origin: Sample, sense: int) -> Piece:
+        """The row of a branch that is born, with a note of what may have happened before it."""
+        row = Piece.single(origin, self.scale)
+        passed = passed_over(self.seed, origin, sense, self.scale)
+        return replace(row, notes=(*row.notes, passed), hiding=row.hiding + 1) if passed else row
 
     @property
     def _turns_here(self) -> bool:
@@ -119,10 +94,13 @@ class Departure:
     def origin(self, sense: int) -> Sample | None:
         """Where the arm of this sense sets out, with the start's sense; None where there is no such arm."""
         found = self._origin(sense) if sense in self.seed.arms else None
-        return None if found is None else _oriented(found, sense)
+        return None if found is None else oriented(found, sense)
 
     def _origin(self, sense: int) -> Sample | None:
-        return _origin(self.seed, self.start, sense, self.scale, self.settings, self.here, self.bounds)
+        start = oriented(self.start, sense)
+        if not self.seed.born and not self.here:
+            return start
+        return set_out(self.seed, start, sense, self.scale, self.settings, self.bounds)
 
 
 def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Departure:
@@ -219,14 +197,6 @@ def _up(tangent: Array) -> Array:
     return tangent if leading > 0 else -tangent
 
 
-def _oriented(sample: Sample, sense: int) -> Sample:
-    if sense > 0:
-        return sample
-    tests = sample.tests.copy()
-    tests[:2] *= -1.0  # dp/ds and det [J; t] turn with the tangent
-    return replace(sample, tangent=-sample.tangent, tests=tests)
-
-
 def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:
     """An arm that would leave the range at once."""
     problem, names = seed.problem, seed.problem.parameters
@@ -240,51 +210,3 @@ def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float])
     if (value >= bounds[1] and rate > 0) or (value <= bounds[0] and rate < 0):
         return End("bound", f"{seed.problem.parameters[0]} starts on its bound {value:.10g}", {"value": float(value)})
     return None
-
-
-def _origin(
-    seed: Seed, start: Sample, sense: int, scale: Array, settings: Settings, here: list[Found],
-    bounds: tuple[float, float],
-) -> Sample | None:  # fmt: skip
-    """The sample an arm marches from: the start itself, or a point just off it where it is special."""
-    problem, frame = seed.problem, Frame(scale)
-    oriented = _oriented(start, sense)
-    if not seed.born and not here:
-        return oriented
-    bend = np.zeros_like(scale) if seed.curvature is None else seed.curvature
-
-    if sense in seed.beside:
-        offset = (seed.beside[sense] - start.z) / scale
-        found = problem.probe(oriented, float(oriented.tangent @ offset), seed.beside[sense], frame, settings)
-        if found is None or float(found.tangent @ offset) > 0.0:
-            return found
-        return _oriented(found, -1)  # at a cusp both arms leave to one side
-
-    def beside(size: float) -> Sample | None:
-        guess = start.z + scale * (size * oriented.tangent + 0.5 * elementary.square(size) * bend)
-        found = problem.probe(oriented, size, guess, frame, settings)
-        if found is None:
-            return None
-        offset = (found.z - start.z) / scale
-        ahead = float(offset @ oriented.tangent) > 0.9 * float(np.linalg.norm(offset))
-        return found if ahead and found.tangent @ oriented.tangent > 0.8 else None
-
-    accepted = outside = None
-    first = settings.first_step if seed.reach is None else 10.0 * seed.reach
-    for size in first * elementary.pow(10.0, -np.arange(1.0, 5.5, 0.5)):
-        found = beside(size)
-        if found is None:
-            continue
-        if walls_passed(problem, found.z, bounds):
-            outside = found
-            continue
-        if accepted is not None and _alike(accepted, found):
-            return accepted  # nothing happens between the start and this point
-        accepted = found
-    return accepted or outside
-
-
-def _alike(a: Sample, b: Sample) -> bool:
-    """True where the signs of the tests (those that are known) and the unstable count are the same."""
-    products = a.tests * b.tests
-    return a.unstable == b.unstable and bool(np.all((products > 0.0) | np.isnan(products)))

@@ -14,7 +14,7 @@ from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.defects import DEFECT, contained
-from contin.continuation.departure import Departure, Seed, depart
+from contin.continuation.departure import Departure, depart
 from contin.continuation.ends.closed import until_closed
 from contin.continuation.ends.domain import above_floors
 from contin.continuation.ends.reach import within_reach
@@ -33,6 +33,7 @@ from contin.continuation.problem import (
     in_two_parameters,
 )
 from contin.continuation.rows import Rows
+from contin.continuation.seed import Seed
 from contin.continuation.segment import Piece
 from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError, NotFiniteError

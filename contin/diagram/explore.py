@@ -12,9 +12,9 @@ import numpy as np
 
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.defects import noted
-from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
 from contin.continuation.location.user_value import Target
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram

@@ -19,7 +19,7 @@ from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.from_guess import solved
 from contin.bvp.two_point import two_point
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError, NoSolutionError

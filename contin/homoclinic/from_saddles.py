@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.from_table import Path, as_profile

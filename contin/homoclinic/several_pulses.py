@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.from_table import laid
 from contin.homoclinic.interval import piece_of

@@ -215,20 +215,34 @@ def remarks(problem: DenseInOneParameter, z: Array, seen: Values, scale: Callabl
     distance = np.abs(np.abs(seen) - 1.0) if problem.is_map else np.abs(seen.real)
     size = 1.0 if problem.is_map else np.abs(seen)
     near = np.any((distance <= SUSPECT * size) & (seen.imag > SUSPECT * np.abs(seen)), axis=1)
-    throughout = bool(near[_places(len(z))].all())
-    rows = np.arange(len(z)) if throughout else np.flatnonzero(near)
-    found = []
-    for row in z[rows[_places(len(rows))]]:
-        matrix = problem.linear_part(row)
-        if not np.all(np.isfinite(matrix)):
-            return ()
-        values, _ = spectrum(matrix)
-        exact = paired(values, errors_of(problem, row, values, scale()), problem.is_map)
-        found.append(_on_boundary(exact, problem.is_map, KNOWN))
-    if throughout:
-        return _words(min(found, default=0), problem.is_map)
-    held = [pairs for pairs in found if pairs > 0]  # a labelled row may have a pair there that crosses
+    counted: dict[int, int] = {}
+
+    def pairs_at(row: int) -> int:
+        if row not in counted:
+            counted[row] = _pairs_at(problem, z[row], scale())
+        return counted[row]
+
+    if near[_places(len(z))].all():
+        return _words(min(map(pairs_at, _places(len(z))), default=0), problem.is_map)
+    rows = np.flatnonzero(near)
+    held = [min(pairs_at(row), _beside(row, near, pairs_at)) for row in rows[_places(len(rows))].tolist()]
+    held = [pairs for pairs in held if pairs > 0]
     return _words(min(held), problem.is_map, "a part of the branch") if len(held) >= ENOUGH else ()
+
+
+def _pairs_at(problem: DenseInOneParameter, z: Array, scale: Array) -> int:
+    """How many complex pairs are on the stability boundary at z, to their errors."""
+    matrix = problem.linear_part(z)
+    if not np.all(np.isfinite(matrix)):
+        return 0
+    values, _ = spectrum(matrix)
+    return _on_boundary(paired(values, errors_of(problem, z, values, scale), problem.is_map), problem.is_map, KNOWN)
+
+
+def _beside(row: int, near: NDArray[np.bool_], pairs_at: Callable[[int], int]) -> int:
+    """How many there are in one of the rows beside it: at a labelled row a pair crosses, beside it none is there."""
+    beside = [other for other in (row - 1, row + 1) if 0 <= other < len(near) and near[other]]
+    return max((pairs_at(other) for other in beside), default=0)
 
 
 def remarks_on_orbits(problem: FamilyOfOrbits, z: Array, seen: Values) -> Sequence[str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.images import images
 from contin.errors import InputError
 from contin.records import Record

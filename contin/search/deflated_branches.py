@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import ContinError
 from contin.linalg.newton import solution
 from contin.linalg.vectors import norm

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.told import Told
 from contin.errors import NoSolutionError
 from contin.problems.equilibria.equilibrium import EquilibriumProblem

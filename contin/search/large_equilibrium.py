@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.told import Told
 from contin.errors import InputError, NoSolutionError
 from contin.problems.large_orbits.from_starts import FromStarts

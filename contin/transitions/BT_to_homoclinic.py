@@ -12,7 +12,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.solved_connection import solved_connection

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.normalforms.hopf import lpc_predictor

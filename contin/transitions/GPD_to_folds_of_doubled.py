@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError
 from contin.loci.orbits.orbit_locus import OrbitLocusProblem

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
 from contin.normalforms.hopf_hopf import torus_predictors

@@ -15,8 +15,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Failure, Frame, Sample
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.homoclinic.equations import ConnectionCurve

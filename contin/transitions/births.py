@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from contin.continuation.as_computed import as_computed
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.stored_problem import StoredProblem
 from contin.errors import InputError
 from contin.transitions.registry import Explored, at_point, known_labels

@@ -11,7 +11,7 @@ from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.special_points import embedded, reduction
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.augmented.of_extrema import of_solutions
 from contin.transitions.registry import born
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.augmented.of_boundary import curve_of
 from contin.transitions.registry import born
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.branch import Parent
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.two_parameters import indices

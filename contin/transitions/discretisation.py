@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.loci.shooting.curve import ShootingCurve
 from contin.loci.shooting.shot_locus import ShotLocusProblem

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.result import TRUST

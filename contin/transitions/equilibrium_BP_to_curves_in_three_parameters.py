@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.of_points import of_codimension_two
 from contin.problems.equilibria.equilibrium import EquilibriumProblem

@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
@@ -56,7 +56,10 @@ def _seed(problem: LargeProblem, point: SpecialPoint, direction: Array, bend: Ar
     length = norm(d)
     d, c = d / length, c / elementary.square(length)
     symmetries = reversing_symmetries(problem, point.z, d * scale, scale)
-    seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
+    seed = Seed(
+        problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label),
+        measured=(int(point.values["unstable"]), np.asarray(point.eigenvalues)),
+    )  # fmt: skip
     return replace(seed, arms=(1,), symmetries=symmetries) if symmetries else seed
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf_predictor

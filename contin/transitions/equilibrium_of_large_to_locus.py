@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.sparse.curve import LargeCurve
 from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary

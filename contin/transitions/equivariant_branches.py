@@ -20,7 +20,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.linalg.newton import Rules, by_steps
 from contin.lowering import compile_system

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.machine import elementary
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.symmetry import apply_symmetry, symmetry_names

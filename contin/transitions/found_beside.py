@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.continuation.branch import Branch, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import NoSolutionError
 from contin.problems.hybrid.hybrid_orbits import HybridOrbits
 from contin.problems.maps.cycle import CycleProblem

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.loci.hybrid_orbits import HybridLocus

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.augmented.augmented_curve import AugmentedCurve
 from contin.loci.augmented.of_extrema import of_extrema, of_locus
 from contin.loci.equilibria.equilibrium_locus import LocusProblem

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary
 from contin.model.advice import place_of_parameter

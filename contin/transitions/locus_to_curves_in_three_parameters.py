@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.of_points import of_codimension_two
 from contin.loci.equilibria.equilibrium_locus import LocusProblem

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.model.advice import place_of_parameter
 from contin.problems.equilibria.equilibrium import EquilibriumProblem

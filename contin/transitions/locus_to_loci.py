@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.linalg import newton
 from contin.loci.equilibria.equilibrium_locus import LocusProblem

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.orbits.orbit_locus import OrbitLocusProblem
 from contin.loci.shooting.curve import ShootingCurve
 from contin.loci.shooting.shot_locus import ShotLocusProblem

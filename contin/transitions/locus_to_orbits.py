@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.homoclinic.saddle_connections import ConnectionProblem
 from contin.model.advice import place_of_parameter

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.location.halting import HALF_PERIOD
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor

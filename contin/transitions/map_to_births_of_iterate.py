@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.problems.maps.cycle import LONGEST, CycleProblem, lifted
 from contin.transitions import births
 from contin.transitions.registry import Explored, born

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.augmented.of_orbits import branch_points
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.transitions.registry import born

@@ -13,8 +13,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.march.in_kernel import probe

@@ -9,8 +9,8 @@ import numpy as np
 
 from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.location.halting import HALF_PERIOD
+from contin.continuation.seed import Seed
 from contin.machine import elementary
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.layout import Profile, make_scale

@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.shot_orbits import ShootingProblem

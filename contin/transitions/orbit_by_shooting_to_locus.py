@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.shooting.contacts import laid_out, touches
 from contin.loci.shooting.curve import ShootingCurve

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.linalg.vectors import norm
 from contin.problems.large_orbits.branch_points import null_vector
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem

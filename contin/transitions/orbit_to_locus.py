@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.orbits.isoperiodic import PeriodCurve, SamePeriodProblem
 from contin.loci.orbits.orbit_locus import OrbitLocusProblem

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.loci.augmented.of_extrema import of_solutions
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.transitions.registry import born

@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.loci.orbits.orbit_locus import OrbitLocusProblem
 from contin.lowering.system import CompiledSystem

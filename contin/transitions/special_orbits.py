@@ -10,8 +10,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Problem
+from contin.continuation.seed import Seed
 from contin.problems.two_parameters import indices
 from contin.special.table import curves_of_orbits
 from contin.transitions.found_beside import tori_beside

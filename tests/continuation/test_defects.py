@@ -5,7 +5,7 @@ import pytest
 
 import contin
 from contin.continuation.defects import contained, noted
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from tests.problems.follow import labels, model

@@ -6,7 +6,7 @@ import networkx as nx
 import pytest
 
 import contin
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from tests.diagram.crossings import assert_same_points, explore, model, solutions
 

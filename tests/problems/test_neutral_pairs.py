@@ -192,3 +192,19 @@ def test_a_centre_along_a_part_of_a_branch_is_told():
     branch = contin.continuation(contin.equilibrium(model, {"x": 0, "v": 0}), "k", (-0.9, 1.5))
     assert [p.type for p in branch.points] == ["LP"]
     assert any("stays on the imaginary axis along a part of the branch" in note for note in branch.notes)
+
+
+@pytest.mark.parametrize("kind", ["flow", "map"])
+def test_three_crossings_are_no_part_on_the_boundary(kind):
+    """Three rows are on the boundary, the labelled ones; those between them are off it by up to 1e-6."""
+    growth = "3*p*(p - 0.01)*(p + 0.01)"
+    if kind == "map":
+        a, b = f"(1 + {growth})*cos(1)", f"(1 + {growth})*sin(1)"
+        equations = {"x": f"{a}*x - {b}*y - x*(x^2 + y^2)", "y": f"{b}*x + {a}*y - y*(x^2 + y^2)"}
+    else:
+        equations = {"x": f"{growth}*x - y - x*(x^2 + y^2)", "y": f"x + {growth}*y - y*(x^2 + y^2)"}
+    states, parameters = dict.fromkeys("xy", 0.0), {"p": -0.53}
+    model = contin.Model("three", kind=kind, states=states, parameters=parameters, equations=equations)
+    branch = contin.continuation(contin.equilibrium(model), "p", (-0.53, 0.6))
+    assert [point.type for point in branch.points] == ["HB" if kind == "flow" else "NS"] * 3
+    assert branch.notes == ()

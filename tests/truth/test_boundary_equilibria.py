@@ -231,7 +231,7 @@ def test_curves_of_the_sliding_motion_are_refused_in_words():
 
 def _at(branch: Any, row: int) -> Any:
     """A start with p free at a row of a branch in q."""
-    from contin.continuation.departure import Seed
+    from contin.continuation.seed import Seed
 
     problem = branch.problem.with_active("p", branch.z[row])
     z = branch.z[row].copy()

@@ -47,6 +47,7 @@ DEPTH = 60  # halvings of one step
 HALVINGS = 600  # ... in all: where tests are rounding, every half has changes of its own
 ROUNDING = 1e-14  # a test this small on both sides of an event may be zero all along
 LEFT = "Newton on its defining system left the neighbourhood"
+DECREASED = 0.8  # a test at a quarter of the distance from its zero, beside that there: no jump
 SAME_THERE = ", where {parameter} is the same to within its error"
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
@@ -195,12 +196,28 @@ def _with_rest(
 
 
 def _of_event(crossing: NDArray[np.bool_], sides: Sequence[Side]) -> NDArray[np.bool_]:
-    """Of the tests that change their sign, those that do so at the event, not as what is zero all along the curve."""
+    """Of the tests that change their sign, those that do so at the event.
+
+    Not what is zero all along the curve; and of several ones, not what changes elsewhere in the step, or only jumps.
+    """
     if not sides:
         return crossing
     zero = np.all([np.abs(side.near.tests) <= ROUNDING for side in sides], axis=0)
     told: NDArray[np.bool_] = crossing & ~zero
+    if np.count_nonzero(told) > 1:
+        vanishing = told & np.all([_decreases(side) for side in sides], axis=0)
+        if len(sides) == 2:
+            vanishing &= sides[0].near.tests * sides[1].near.tests < 0.0
+        told = vanishing if vanishing.any() else told
     return told if told.any() else crossing
+
+
+def _decreases(side: Side) -> NDArray[np.bool_]:
+    """The tests that are smaller the nearer to the point."""
+    if side.nearer is None:
+        return np.ones(len(side.near.tests), dtype=np.bool_)
+    smaller: NDArray[np.bool_] = np.abs(side.nearer.tests) < DECREASED * np.abs(side.near.tests)
+    return smaller
 
 
 def _turns_only(stretch: Stretch, type_: str, point: Verified, *others: Sample) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
 from contin.diagram.phase.cycles import cycles_reached

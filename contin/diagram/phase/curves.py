@@ -11,8 +11,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.defects import DEFECT, noted
-from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.phase.cycles import is_shorter

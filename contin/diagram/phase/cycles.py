@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.identity import copies, wrapped
 from contin.diagram.sizes import length, sizes_among
 from contin.errors import ContinError

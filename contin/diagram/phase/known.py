@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.phase.lines import Box
 from contin.problems.symmetry import every_symmetry

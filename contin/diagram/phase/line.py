@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from contin.continuation.branch import Branch
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.diagram import Diagram
 from contin.diagram.explore import Budget, Explorer
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
 from contin.diagram.sizes import PLAIN
 from contin.problems.symmetry import every_symmetry

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.phase.states import State, points_of
 from contin.diagram.sizes import length, sizes_among
 from contin.errors import ContinError

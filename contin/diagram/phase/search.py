@@ -15,9 +15,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.defects import DEFECT
-from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal, OfSearch
 from contin.continuation.location.user_value import Target
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer

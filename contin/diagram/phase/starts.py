@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.diagram.phase.lines import Box

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.diagram.orbits import known_orbit
 from contin.diagram.phase.attractors import reached, within_basins
 from contin.diagram.phase.line import Line

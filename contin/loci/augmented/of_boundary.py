@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import Parent
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.adaptive import AdaptiveCurve
 from contin.loci.augmented.boundary import BoundaryBase

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.adaptive import AdaptiveCurve
 from contin.loci.augmented.augmented_curve import AugmentedCurve

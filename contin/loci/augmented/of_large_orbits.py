@@ -19,7 +19,7 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation.branch import Parent
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.linalg.krylov import gmres
 from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.adaptive import AdaptiveCurve
 from contin.loci.augmented.elimination import Scalars

@@ -9,8 +9,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent
-from contin.continuation.departure import Seed
 from contin.continuation.homotopy import without_offset
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.augmented_curve import AugmentedCurve
 from contin.loci.augmented.points import PointBase

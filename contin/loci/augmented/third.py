@@ -57,7 +57,8 @@ def tests_at(problem: LocusProblem, curve: str, z: Array) -> tuple[Array, int, N
     """Tests from index 2 on, the number of unstable eigenvalues without the critical ones, and all of them."""
     values = eigenvalues(problem, z)
     others = np.delete(values, _critical(problem, curve, z, values))
-    further = {"FZ": real_test(others, 0.0), "TZ": real_test(others, 0.0), "FH": pair_test(others, False)}
+    zero = real_test(others, 0.0, float(np.abs(values).max(initial=0.0)))
+    further = {"FZ": zero, "TZ": zero, "FH": pair_test(others, False)}
     if len(others) < 2:
         further["FH"] = 1.0
     found = [further[name] if name in further else _value(problem, curve, name, z) for name in types(curve)]

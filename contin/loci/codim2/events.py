@@ -68,13 +68,23 @@ def explain(
         touching = any(a.tests[i] == 0.0 or b.tests[i] == 0.0 for i in events)
         return () if moved == 0 or touching else None
     if len(crossed) > 1:
-        return None
+        return _crossing_of(locus, {events[i][0] for i in crossed}, moved)
     type_, expected = events[crossed[0]]
     if type_ == "BT" and locus == "HB" and max(a.tests[2], b.tests[2]) > NEAR_BT:
         return None  # l1 has no sign beyond BT: look at the rest of the way to it
     if expected == 2 and moved == 0:
         return ("neutral",)
     return (type_,) if moved == expected else None
+
+
+def _crossing_of(locus: str, types: set[str], moved: int) -> tuple[str, ...] | None:
+    """A point where curves cross, to be looked for first: there a coefficient that has no pole changes its test's sign.
+
+    Where it has one, the two tests change at two points: the second is in the rest of the step.
+    """
+    crossing = next((type_ for type_, on in CROSSINGS if on == locus and type_ in types), None)
+    alone = crossing is not None and moved == 1 and len(types) == 2 and bool(types & set(WITH_POLES))
+    return (crossing,) if crossing is not None and alone else None
 
 
 def _orientation_jumps(a: Sample, b: Sample) -> bool:

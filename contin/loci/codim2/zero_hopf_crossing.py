@@ -60,8 +60,14 @@ def solve(problem: CurveOfPoints, eigenvalue: Callable[[Array], float], near: Sa
     rows, count = scale[:-1], len(near.z)
     psi = _left(problem, near.z)
 
-    def conditions(z: Array) -> Array:
+    def unscaled(z: Array) -> Array:
         return np.array([eigenvalue(z), *_slopes(problem, z, scale, psi)])
+
+    lengths = np.linalg.norm(_gradients(unscaled, near.z / scale, scale), axis=1)
+    sizes = np.where(lengths > 0.0, lengths, 1.0)  # an eigenvalue that vanishes slowly vanishes as well
+
+    def conditions(z: Array) -> Array:
+        return np.asarray(unscaled(z) / sizes)
 
     def system(y: Array) -> tuple[Array, Array]:
         f, jacobian = curve.linearise(y * scale, parameters)

@@ -11,9 +11,9 @@ import numpy as np
 from contin import lazy
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.departure import Seed
 from contin.continuation.march import until_dip
 from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample, Verified
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.orbits import criticality

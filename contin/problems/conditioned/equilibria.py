@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.spectrum import count_and_tests, spectrum

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.conditioned.under_conditions import Conditioned, product_of

@@ -15,7 +15,7 @@ from contin.problems.orbits.measured.functionals import OrbitConditions
 from contin.problems.orbits.measured.measures import Measures
 
 if TYPE_CHECKING:
-    from contin.continuation.departure import Seed
+    from contin.continuation.seed import Seed
 
 Family = TypeVar("Family", bound=FamilyOfOrbits)
 

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.location.halting import HALF_PERIOD
 from contin.continuation.problem import Chunk, Corner, Frame, Jump, Outcome, Rejected, Sample, Verified
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels.floquet import multipliers as multipliers_of

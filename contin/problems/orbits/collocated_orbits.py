@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.abi import Array
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.collocated_orbits import OrbitProblem

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from contin.abi import Array
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.continuation.told import Told
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.layout import Profile

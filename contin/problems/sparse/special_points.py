@@ -22,6 +22,7 @@ from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear
 from contin.linalg.pencil import inverse_of
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 from contin.normalforms.directions import any_branch_point
 from contin.normalforms.later import stated
 from contin.problems.sparse import forms
@@ -194,7 +195,8 @@ def _scatter(
             return np.inf
         moved = (other.z[-1] - at.z[-1]) / frame.scale[-1] - shift * 0.5 * (rate + float(other.tangent[-1]))
         off = (measure(other) - value) / slope - shift if slope != 0.0 else 0.0
-        worst = max(worst, abs(moved) + abs(off * rate))
+        bend = abs(float(other.tangent[-1]) - rate) / abs(shift)
+        worst = max(worst, abs(moved) + abs(off * rate) + 0.5 * bend * elementary.square(off))
     return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))
 
 
@@ -213,6 +215,8 @@ def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     q = t[:-1] / norm(t) * frame.scale[:-1]
     form = forms.fold(problem, at.z, q)
     error += 3.0 * forms.rounding_of_fold(problem, at.z, q)
+    if found.slope != 0.0:  # the parameter's way, to second order, to where nothing is left
+        error += elementary.square(left) / abs(found.slope) * float(frame.scale[-1])
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ellipk
 
 import contin
-from contin.continuation.departure import Seed
+from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.model.relations import relations
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.continuation import march as python_march
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Sample, Verified
+from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, by_steps, solution, with_one_fixed
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation
