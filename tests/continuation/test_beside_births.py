@@ -1,4 +1,4 @@
-"""A branch that turns next to where it is born: the fold is labelled, or a note says that it could not be.
+"""What happens next to where a branch is born, or crosses others, is labelled, or a note says that it could not be.
 
 x' = x (p + b x - x^2): the branch p = x^2 - b x is born at the transcritical point p = 0 and turns at x = b/2, where
 p = -b^2/4.
@@ -143,3 +143,20 @@ def test_torus_beside_the_birth_of_cycles(e, method):
     (point,) = family.points
     assert point.type == "NS"
     assert abs(point.values["p"] - e) <= 3 * point.error + 1e-12
+
+
+@pytest.mark.parametrize("e", [0.05, 1e-2, 1e-3, 1e-4])
+def test_three_crossings_of_cycles_within_a_step_are_labelled_or_a_note_says_so(e):
+    """Radii 1 + s, s' = s g - s^3 with g = 10 p (p - e) (p + e)."""
+    s = "(sqrt(x^2 + y^2) - 1)"
+    rate = f"(({s}*10*p*(p - {e})*(p + {e}) - {s}^3)/sqrt(x^2 + y^2))"
+    model = contin.Model(
+        "circles", states={"x": 1.0, "y": 0.0}, parameters={"p": -0.53},
+        equations={"x": f"{rate}*x - y", "y": f"{rate}*y + x"},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model, {"x": 1.0, "y": 0.0}), "p", (-0.53, 0.6))
+    found = [point for point in family.points if point.type == "BPC"]
+    for point in found:
+        assert min(abs(point.values["p"] - at) for at in (-e, 0.0, e)) <= 3 * point.error
+    assert len(found) == 3 or any("may lie closer" in note or "others lie closer" in note for note in family.notes)
+    assert len(found) == 3 or e < 1e-2

@@ -45,6 +45,9 @@ def sides_of(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], cross
     distance, lost = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE, False
     wide = [(far, width) for far in ends if (width := stretch.distance(point, far)) >= 4.0 * distance]
     solved_ends = [(solved(stretch, far, point), width) for far, width in wide]
+    if stretch.problem.adaptive:
+        sides = [_nearest_found(stretch, point, far, width, distance) for far, width in solved_ends]
+        return [side for side in sides if side is not None]
     while True:
         sides = []
         for far, width in solved_ends:
@@ -52,12 +55,39 @@ def sides_of(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], cross
             if near is not None:
                 sides.append(Side(near, nearer, far, width, distance, lost))
         farthest = FARTHER * FARTHER * distance >= min((side.width for side in sides), default=0.0)
-        if stretch.problem.adaptive or _are_told(stretch, sides, crossing):
+        if _are_told(stretch, sides, crossing):
             return sides
         if farthest:
             nothing = all(_is_rounding(stretch, sides, test) for test in np.flatnonzero(crossing))
             return [replace(side, rounding=nothing) for side in sides]
         distance, lost = FARTHER * distance, True
+
+
+def _nearest_found(stretch: Stretch, point: Sample, far: Sample, width: float, distance: float) -> Side | None:
+    """One side of a located point of a discretised problem, from the first distance at which the branch is found.
+
+    Next to a branch point the corrector may fail, the sooner the smaller the angle between the branches.
+    """
+    lost = False
+    while 4.0 * distance <= width:
+        near, nearer = stretch.several(point, far, (distance / width, 0.25 * distance / width))
+        if near is not None:
+            return Side(near, nearer, far, width, distance, lost)
+        distance, lost = FARTHER * distance, True
+    return None
+
+
+def untold(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], sides: Sequence[Side]) -> float:
+    """How near to a located point of a discretised problem a step is not looked at, as its branch is not found there.
+
+    0 where both sides are looked at, and where they are too short for it.
+    """
+    if not stretch.problem.adaptive:
+        return 0.0
+    seen = [side.far for side in sides]
+    missing = [end for end in ends if not any(stretch.distance(end, far) <= CLOSE for far in seen)]
+    widths = [stretch.distance(point, end) for end in missing]
+    return max((width for width in widths if width >= 4.0 * CLOSE_ADAPTIVE), default=0.0)
 
 
 def sides_beyond(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample]) -> list[Side]:

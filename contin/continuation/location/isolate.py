@@ -16,7 +16,15 @@ from numpy.typing import NDArray
 
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
-from contin.continuation.location.both_sides import Side, are_all, cluster_at, sides_beyond, sides_of, vanishes_linearly
+from contin.continuation.location.both_sides import (
+    Side,
+    are_all,
+    cluster_at,
+    sides_beyond,
+    sides_of,
+    untold,
+    vanishes_linearly,
+)
 from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, exactly, where
 from contin.continuation.location.lost_digits import turning_alone, unresolved
 from contin.continuation.location.rest_of_step import (
@@ -167,6 +175,10 @@ def _with_rest(
     if reach > 0.0:
         found = replace(found, point=replace(found.point, vectors={**found.point.vectors, "reach": reach}))
     yield found
+    unseen = untold(stretch, point, (a, b), sides)
+    if unseen > 0.0:
+        text = f"{found.point.type}: the branch is not found beside it, and others may lie closer than {unseen:g} to it"
+        yield Note(where(stretch, point, text), hides=True)
     simple, lost, centre, labelled = True, False, stretch.length_of(point), [found.length]
     for look in sides:
         simple &= vanishes_linearly(stretch, point, look, crossing)
