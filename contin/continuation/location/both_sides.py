@@ -46,8 +46,8 @@ def sides_of(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], cross
     wide = [(far, width) for far in ends if (width := stretch.distance(point, far)) >= 4.0 * distance]
     solved_ends = [(solved(stretch, far, point), width) for far, width in wide]
     if stretch.problem.adaptive:
-        sides = [_nearest_found(stretch, point, far, width, distance) for far, width in solved_ends]
-        return [side for side in sides if side is not None]
+        found = [_nearest_found(stretch, point, far, width, distance) for far, width in solved_ends]
+        return [side for side in found if side is not None]
     while True:
         sides = []
         for far, width in solved_ends:
