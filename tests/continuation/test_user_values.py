@@ -52,3 +52,16 @@ def test_a_closed_curve_that_starts_at_a_value_has_it_once_and_exactly():
     values = sorted((point.values["p"], point.error) for point in line.points if point.type == "UZ")
     assert [place for place, _ in values] == pytest.approx([-0.6, 0.6], abs=1e-12)
     assert max(error for _, error in values) <= 1e-12
+
+
+@pytest.mark.parametrize("e", [0.02, 1e-3, 1e-5])
+def test_a_column_that_takes_a_value_three_times_within_a_step(e):
+    at = [0.2137, 0.2137 + e, 0.2137 + 2.7 * e]
+    height = "*".join(f"(x - {a!r})" for a in at)
+    model = contin.Model(
+        "bent", states={"x": 0.0}, parameters={"p": -1.0}, equations={"x": "p - x"}, observables={"h": height}
+    )
+    branch = contin.continuation(contin.equilibrium(model, {"x": -1.0}), "p", (-1.0, 1.5), values={"h": [0.0]})
+    assert [point.type for point in branch.points] == ["UZ"] * 3
+    for point, place in zip(branch.points, at, strict=True):
+        assert abs(point.values["p"] - place) <= 1e-9 * e + 1e-14

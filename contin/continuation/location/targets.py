@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -11,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.found import Note
-from contin.continuation.location.touched import touched
+from contin.continuation.location.touched import touched, turning_points
 from contin.continuation.location.turning import turns
 from contin.continuation.location.user_value import Sought, Target
 from contin.continuation.problem import Chunk, Frame, Problem
@@ -45,6 +46,28 @@ def hits(
         values = target.values(problem, points) - target.value
         for i in np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)):
             row = int(owner[i])
-            found = target.locate(Stretch(problem, chunk.sample(row), frame, settings), points[i], points[i + 1])
-            if found is not None:
-                yield Row(row + 1, found.length, found.point, found.sample.tangent)
+            stretch = Stretch(problem, chunk.sample(row), frame, settings)
+            ends = [points[i], *_turns_between(target, stretch, chunk, row, (points[i], points[i + 1])), points[i + 1]]
+            for z_a, z_b in pairwise(ends):
+                if len(ends) > 2 and not _crossed(target, problem, z_a, z_b):
+                    continue
+                found = target.locate(stretch, z_a, z_b)
+                if found is not None:
+                    yield Row(row + 1, found.length, found.point, found.sample.tangent)
+
+
+def _turns_between(
+    target: Sought, stretch: Stretch, chunk: Chunk, row: int, ends: tuple[Array, Array]
+) -> list[Array]:
+    """Points at which a column turns on the way between two points of a step, across the value all the same."""
+    problem = stretch.problem
+    if not isinstance(target, Target) or target.column == problem.parameters[0]:
+        return []
+    low, high = sorted(float(stretch.base.tangent @ ((z - stretch.base.z) / stretch.frame.scale)) for z in ends)
+    turning = turning_points(target.column, problem, chunk, row, stretch.frame, stretch.settings)
+    return [z for length, z in turning if low < length < high]
+
+
+def _crossed(target: Sought, problem: Problem, z_a: Array, z_b: Array) -> bool:
+    before, after = (target.values(problem, np.array([z_a, z_b])) - target.value).tolist()
+    return bool(before * after < 0.0 or after == 0.0)

@@ -1,4 +1,4 @@
-"""User values that a column takes twice within one step, or touches: at rows it is on one side of the value only."""
+"""User values that a column takes several times within one step, or touches: its rows show one of them, or none."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.found import Found, Note
-from contin.continuation.location.turning import between
+from contin.continuation.location.turning import between, suspicious
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
@@ -36,6 +37,18 @@ def touched(
             a, b = chunk.sample(row), chunk.sample(row + 1)
             for found in _met(target, Stretch(problem, a, frame, settings), a, b):
                 yield Row(row + 1, found.length, found.point, found.sample.tangent)
+
+
+def turning_points(
+    column: str, problem: Problem, chunk: Chunk, row: int, frame: Frame, settings: Settings
+) -> list[tuple[float, Array]]:
+    """Where a column turns between two rows of a chunk: lengths and points, in order; between them it is monotone."""
+    extremum, rows = Extremum(column), slice(row, row + 2)
+    if not len(suspicious(extremum, problem, chunk.z[rows], chunk.tangents[rows], frame)):
+        return []
+    a, b = chunk.sample(row), chunk.sample(row + 1)
+    found = between(extremum, Stretch(problem, a, frame, settings), a, b)
+    return [(item.length, item.point.z) for item in found if isinstance(item, Found)]
 
 
 def _nearest(values: np.ndarray) -> list[int]:

@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import STEP, Extremum
 from contin.continuation.location.found import Found, Note
@@ -31,7 +32,7 @@ def turns(
 ) -> Iterator[Row | Note]:
     """Extrema between consecutive rows of a chunk, the first `rows` of it; notes where one could not be verified."""
     for extremum in extrema:
-        for row in _suspicious(extremum, problem, chunk, rows, frame).tolist():
+        for row in suspicious(extremum, problem, chunk.z[:rows], chunk.tangents[:rows], frame).tolist():
             a, b = chunk.sample(row), chunk.sample(row + 1)
             stretch = Stretch(problem, a, frame, settings)
             for found in between(extremum, stretch, a, b):
@@ -67,10 +68,10 @@ def _all_of(extremum: Extremum, stretch: Stretch, a: Sample, b: Sample) -> list[
     return [item for item in found if item is not None]
 
 
-def _suspicious(extremum: Extremum, problem: Problem, chunk: Chunk, rows: int, frame: Frame) -> np.ndarray:
-    """The steps in which the slope changes its sign, or may do so twice."""
-    z = chunk.z[:rows]
-    slopes = extremum.slopes(problem, z, chunk.tangents[:rows], frame.scale)
+def suspicious(extremum: Extremum, problem: Problem, z: Array, tangents: Array, frame: Frame) -> np.ndarray:
+    """The steps between rows z in which the slope changes its sign, or may do so twice."""
+    rows = len(z)
+    slopes = extremum.slopes(problem, z, tangents, frame.scale)
     values = extremum.values(problem, z)
     a, b = slopes[:-1], slopes[1:]
     noise = extremum.rounding(problem, z[int(np.argmax(np.abs(values)))], frame.scale) / STEP
