@@ -74,7 +74,7 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
         form = normal_forms.fold(mesh, x, found.direction)
         return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {})
     small = smallest(mesh, x)
-    form = _form_of_branch_point(mesh, x, small, scatter + moved)
+    form = _form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
     return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {"kernel": 1}, crowded=crowded)
 
@@ -195,7 +195,7 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
     return Found(x, residual, q, scatter)
 
 
-def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float) -> Fields:
+def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
     """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
 
     Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
@@ -205,12 +205,15 @@ def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: 
     if kernel > 1:
         return {"kind": "degenerate", "kernel": kernel}
     form = normal_forms.branch_point(mesh, x, q)
-    moved = x.copy()
-    moved[-1] += max(error, ROUNDING)
+    off = max(error / float(scale[-1]), ROUNDING)
+    moved = x + off * np.append(q / norm(q / scale[:-1]), scale[-1])  # states are known as well as the parameter
     other = normal_forms.branch_point(mesh, moved, q)
-    errors = {name: abs(float(form[name]) - float(other[name])) for name in ("b11", "b20", "b30")}
+    numbers = [name for name, value in form.items() if isinstance(value, float) and name in other]
+    errors = {name: abs(float(form[name]) - float(other[name])) for name in numbers}
     found = {name: value for name, value in form.items() if name != "criticality"} | {"errors": errors}
-    if form["kind"] == "pitchfork" and abs(float(form["b30"])) <= WITHIN * errors["b30"]:
+    if form["kind"] == "transcritical" and abs(float(form["b20"])) <= WITHIN * errors["b20"]:
+        found["kind"] = "pitchfork"
+    if found["kind"] == "pitchfork" and abs(float(form["b30"])) <= WITHIN * errors["b30"]:
         found["criticality"] = "degenerate"
     return found
 
