@@ -1,4 +1,4 @@
-"""A branch point is of one kind, seen from either branch that crosses there: rounding of its solution decides nothing."""
+"""A branch point is of one kind, seen from either branch that crosses there: rounding decides nothing."""
 
 import pytest
 
