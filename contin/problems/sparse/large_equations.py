@@ -242,23 +242,12 @@ def _to_follow(values: NDArray[np.complex128]) -> NDArray[np.intp]:
 
 
 def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:
-    """[pairs, reals] and the number of unstable eigenvalues.
-
-    `pairs` changes sign when a complex pair crosses the imaginary axis, `reals` when a real eigenvalue passes zero: at
-    folds and branch points, of which the sign of a determinant alone does not show two within a step. Both are as small
-    as the nearest one is, relative to its modulus or to the largest one's.
-    """
+    """[pairs, 1] and the number of unstable eigenvalues; `pairs` changes sign when a complex pair crosses."""
     largest = float(np.abs(values).max(initial=1e-300))
     unstable = int(np.sum(values.real > 1e-13 * largest))
-    pairs, reals = values[values.imag > 0.0], values[values.imag == 0.0].real
-    tests = np.ones(2)
-    if pairs.size:
-        tests[0] = _parity(pairs.real) * float(np.min(np.abs(pairs.real) / np.abs(pairs)))
-    if reals.size:
-        tests[1] = _parity(reals) * float(np.min(np.abs(reals))) / largest
-    return tests, unstable
-
-
-def _parity(growth: Array) -> float:
-    """-1 for an odd number of positive ones."""
-    return -1.0 if int(np.sum(growth > 0.0)) % 2 else 1.0
+    pairs = values[values.imag > 0.0]
+    if not pairs.size:
+        return np.ones(2), unstable
+    size = float(np.min(np.abs(pairs.real) / np.abs(pairs)))
+    sign = -1.0 if int(np.sum(pairs.real > 0.0)) % 2 else 1.0
+    return np.array([sign * size, 1.0]), unstable
