@@ -106,30 +106,41 @@ class Birth:
 
     @classmethod
     def of(cls, seed: Seed) -> Birth | None:
-        """None where the eigenvalues at the seed are not known, or are some of them alone."""
+        """None where the eigenvalues at the seed are not known."""
         if seed.measured is None:
             return None
         unstable, values = seed.measured
+        return cls._told(unstable, values, seed.problem.kind in MULTIPLIERS, counted=False)
+
+    @classmethod
+    def _told(cls, unstable: int, values: NDArray[np.complex128], multipliers: bool, counted: bool) -> Birth:
+        """counted : whether critical eigenvalues that are on the unstable side are counted in `unstable`."""
         values = values[np.isfinite(values)]
-        multipliers = seed.problem.kind in MULTIPLIERS
         size = np.abs(values)
-        distances = np.abs(size - 1.0) if multipliers else np.abs(values.real)
-        near = distances <= (ON_CIRCLE if multipliers else CRITICAL) * size
+        growth = size - 1.0 if multipliers else values.real
+        near = np.abs(growth) <= (ON_CIRCLE if multipliers else CRITICAL) * size
         if not multipliers and len(size):
             near |= size <= ZERO * float(size.max())
-        return cls(unstable, int(np.count_nonzero(near)), np.where(near, np.inf, distances), values, multipliers)
+        unstable -= int(np.count_nonzero(near & (growth > 0.0))) if counted else 0
+        distances = np.where(near, np.inf, np.abs(growth))
+        return cls(unstable, int(np.count_nonzero(near)), distances, values, multipliers)
 
     def allows(self, sample: Sample) -> bool:
         """True where the number of unstable eigenvalues is one that critical ones alone lead to."""
         return 0 <= sample.unstable - self.unstable <= self.critical
 
     def is_near(self, sample: Sample) -> bool:
-        """True where an eigenvalue is nearer to the stability boundary than they move up to the sample."""
+        """True where an eigenvalue is nearer to the stability boundary than it moves up to the sample."""
         seen = sample.eigenvalues[np.isfinite(sample.eigenvalues)]
         if not len(seen) or not len(self.values):
             return False
-        moved = float(np.abs(seen[:, None] - self.values).min(axis=1).max())
-        return bool(self.distances.min() <= 2.0 * moved)
+        moved = np.abs(seen[:, None] - self.values).min(axis=0)
+        return bool(np.any(self.distances <= 2.0 * moved))
+
+    def leads_to(self, nearest: Sample, sample: Sample) -> bool:
+        """True where next to the start as many eigenvalues are unstable as at the sample, but for critical ones."""
+        beside = Birth._told(nearest.unstable, nearest.eigenvalues, self.multipliers, counted=True)
+        return beside.allows(sample)
 
 
 def _first_alike(
@@ -150,7 +161,7 @@ def _first_alike(
             if born is None or not born.is_near(accepted):
                 return accepted
             nearest = beside(sizes[-1]) if nearest is None else nearest
-            if nearest is None or _alike(accepted, nearest):
+            if nearest is None or born.leads_to(nearest, accepted):
                 return accepted
         accepted = found
     return accepted or outside

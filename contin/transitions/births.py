@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from contin.continuation.as_computed import as_computed
 from contin.continuation.branch import SpecialPoint
@@ -17,6 +20,9 @@ if TYPE_CHECKING:
     from contin.continuation.problem import Problem
 
 
+LEVEL: Final = 1e-5  # scaled slope of the parameter along a branch, so small that it is the one that turns
+
+
 def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that start at a point of this problem's branch, with `parameter` free."""
     point = as_computed(point)
@@ -27,7 +33,19 @@ def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
             f"{point.branch}.{point.label}: nothing is known to be born at points of type {point.type} here"
             + _where(problem, 1)
         )
-    return [seed for row in rows for seed in row.make(problem, point, parameter)]
+    return [_level(point, seed) for row in rows for seed in row.make(problem, point, parameter)]
+
+
+def _level(point: SpecialPoint, seed: Seed) -> Seed:
+    """At a pitchfork the parameter does not change along the branch that turns there: what is left of it is rounding.
+
+    From that branch's slope a fold beside the point would be foretold (`continuation.outset`).
+    """
+    if point.normal_form.get("kind") != "pitchfork" or seed.direction is None:
+        return seed
+    if not 0.0 < abs(float(seed.direction[-1])) < LEVEL:
+        return seed
+    return replace(seed, direction=np.append(seed.direction[:-1], 0.0))
 
 
 def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str], orbits: bool = True) -> list[Seed]:
