@@ -218,7 +218,7 @@ def _correction(here: Linearisation, right: Array) -> Array:
 
 def _too_slow(size: float, ratio: float, tolerance: float, patience: float) -> bool:
     """Whether corrections that fall by `ratio` take more than `patience` to reach a tolerance."""
-    return patience < np.inf and (ratio >= 1.0 or size * ratio**patience > tolerance)
+    return patience < np.inf and (ratio >= 1.0 or size * float(elementary.pow(ratio, patience)) > tolerance)
 
 
 def with_one_fixed(

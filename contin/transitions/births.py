@@ -33,17 +33,16 @@ def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
             f"{point.branch}.{point.label}: nothing is known to be born at points of type {point.type} here"
             + _where(problem, 1)
         )
-    return [_level(point, seed) for row in rows for seed in row.make(problem, point, parameter)]
+    seeds = [seed for row in rows for seed in row.make(problem, point, parameter)]
+    return [_level(seed) for seed in seeds] if point.normal_form.get("kind") == "pitchfork" else seeds
 
 
-def _level(point: SpecialPoint, seed: Seed) -> Seed:
+def _level(seed: Seed) -> Seed:
     """At a pitchfork the parameter does not change along the branch that turns there: what is left of it is rounding.
 
     From that branch's slope a fold beside the point would be foretold (`continuation.outset`).
     """
-    if point.normal_form.get("kind") != "pitchfork" or seed.direction is None:
-        return seed
-    if not 0.0 < abs(float(seed.direction[-1])) < LEVEL:
+    if seed.direction is None or not 0.0 < abs(float(seed.direction[-1])) < LEVEL:
         return seed
     return replace(seed, direction=np.append(seed.direction[:-1], 0.0))
 

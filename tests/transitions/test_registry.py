@@ -42,7 +42,7 @@ def birth(*seeds):
 
 
 def point(type_):
-    return SimpleNamespace(type=type_, branch="line", label=f"{type_}1", problem=None)
+    return SimpleNamespace(type=type_, branch="line", label=f"{type_}1", problem=None, normal_form={})
 
 
 def test_curves_of_orbits_are_made_only_where_they_are_wanted(rows):
