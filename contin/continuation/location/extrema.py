@@ -31,6 +31,7 @@ SMOOTH = 0.1  # of what the slope changes in a step: more than that off a quadra
 FALLS = 0.3  # part that is left closer by: of the scatter at a corner, of the kink where the column is smooth
 AT_CORNER = "where the curve has a corner"
 NOT_FOLLOWED = "the curve cannot be followed on both sides"
+HELD = 1e100  # an unknown in so large a scale is none: as the section of orbits by shooting, it counts for nothing
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
 # of rounding errors in succession
@@ -74,7 +75,8 @@ class Extremum:
 
     def rounding(self, problem: Problem, z: Array, scale: Array) -> float:
         """What rounding of the unknowns, relative to their scales, and of the column itself makes of it near z."""
-        around = z + EPSILON * scale * SIGNS[:, np.arange(z.size) % SIGNS.shape[1]]
+        moving = np.where(scale < HELD, scale, 0.0)
+        around = z + EPSILON * moving * SIGNS[:, np.arange(z.size) % SIGNS.shape[1]]
         values = self.values(problem, np.vstack([z, around]))
         return float(np.abs(values[1:] - values[0]).max() + EPSILON * abs(values[0]))
 
