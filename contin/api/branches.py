@@ -106,10 +106,10 @@ def walk(
     ready = departure.arm(1 if direction == "up" else -1, targets_of(seed, values))
     if isinstance(ready, End):
         return
-    arm, pieces = ready
-    for piece in chain(pieces, followed(arm, seed.z)):
+    arm, segments = ready
+    for segment in chain(segments, followed(arm, seed.z)):
         rows = Rows()
-        rows.add_piece(piece)
+        rows.add_segment(segment)
         if not len(rows):
             continue
         (z, _, unstable, _), _ = rows.joined(0)

@@ -23,7 +23,7 @@ def kernels(action: str) -> int:
 
 def _status() -> None:
     declared = every()
-    shipped = [n for n, d in declared.items() if packed.piece(n, sources.text_key(module_of(d))) is not None]
+    shipped = [n for n, d in declared.items() if packed.find(n, sources.text_key(module_of(d))) is not None]
     present = [n for n, d in declared.items() if n in shipped or known(d) is not None]
     made_by = ", ".join(f"{name} {version}" for name, version in sources.versions().items())
     print(f"target      {target.label()}")

@@ -293,7 +293,7 @@ class Status:
         """After every chunk of a branch; raises KeyboardInterrupt after Ctrl-C."""
         check()
         told = [f"{progress['rows']} points"]  # no labels: the whole branch decides which of them are kept
-        value, part = progress["value"], progress["fraction"]  # not numbers where a piece has no rows, a range no end
+        value, part = progress["value"], progress["fraction"]  # not numbers where a segment has no rows, a range no end
         if math.isfinite(value):
             of_range = f" ({part:.0%} of its range)" if math.isfinite(part) else ""
             told.insert(0, f"{progress['parameter']} = {value:.6g}{of_range}")

@@ -28,7 +28,7 @@ from contin.continuation.problem import (
     Verified,
     in_two_parameters,
 )
-from contin.continuation.segment import Piece, Row
+from contin.continuation.segment import Row, Segment
 from contin.linalg.vectors import dot
 from contin.special.table import special_type
 
@@ -43,7 +43,7 @@ RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed
 
 @dataclass(eq=False)
 class Arm:
-    """Follows a branch from `origin` along its tangent; iterate `pieces()`, then read `end`.
+    """Follows a branch from `origin` along its tangent; iterate `segments()`, then read `end`.
 
     `loop` is the branch's start, for closing; `march` stands in place of the problem's: a journal.
     """
@@ -55,7 +55,7 @@ class Arm:
     march: Callable[..., Chunk] | None = None
     end: End | None = None
     accepted: int = 0
-    retraced: int = 0  # last pieces, which are rows of the arm once more
+    retraced: int = 0  # last segments, which are rows of the arm once more
     zeros: ThroughZero = field(init=False)
     retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
 
@@ -79,7 +79,7 @@ class Arm:
         settings = self.course.settings
         self.course = replace(self.course, settings=replace(settings, steps=min(settings.steps, max(steps, 0))))
 
-    def pieces(self) -> Iterator[Piece]:
+    def segments(self) -> Iterator[Segment]:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         settings, problem, frame = self.course.settings, self.problem, Frame(self.scale)
         origin, before, length, step = self.origin, None, 0.0, settings.first_step
@@ -93,17 +93,17 @@ class Arm:
             march = self.march or problem.march
             chunk = march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
             frame = Frame(self.scale, gauge=chunk.gauge)
-            chunk, corner, (piece, self.end) = self._looked_at(chunk, before, event)
-            past = None if self.is_over() else self._past_touching(piece)
+            chunk, corner, (segment, self.end) = self._looked_at(chunk, before, event)
+            past = None if self.is_over() else self._past_touching(segment)
             if past is not None:
                 self.accepted += len(past[0].z)
                 yield past[0]
                 origin, before, length, step, event = past[1], None, 0.0, settings.first_step, None
                 continue
-            piece = self._with_zeros(chunk, piece)
-            event = _behind(chunk, piece, self.scale) if len(chunk) > 1 else event
-            self.accepted += len(piece.z)
-            yield piece
+            segment = self._with_zeros(chunk, segment)
+            event = _behind(chunk, segment, self.scale) if len(chunk) > 1 else event
+            self.accepted += len(segment.z)
+            yield segment
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
             if self.is_over() and not (failed is not None and problem.adaptive):
                 yield from self._foretold(chunk, origin, before, frame)
@@ -112,17 +112,17 @@ class Arm:
                 origin, before, length, step = corner[0], None, 0.0, settings.first_step
                 yield corner[1]
                 continue
-            beyond = self._other_arm(chunk, piece)
+            beyond = self._other_arm(chunk, segment)
             if beyond is not None:
                 self.accepted += 1
-                yield Piece.single(beyond, self.scale)
+                yield Segment.single(beyond, self.scale)
                 origin, before, length, step, event = beyond, None, 0.0, settings.first_step, None
                 continue
             step = chunk.next_step
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
                 before = _renormalised(before, origin)
-            untold = bool(piece.notes) and not piece.found and chunk.stop in (Stop.EVENT, Stop.DIP)
+            untold = bool(segment.notes) and not segment.found and chunk.stop in (Stop.EVENT, Stop.DIP)
             if untold and self.retries >= MOST_RETRIES and step < settings.first_step:
                 before, length, step, self.retries = None, 0.0, settings.first_step, PASSING
             if problem.adaptive:
@@ -134,9 +134,9 @@ class Arm:
                     step = RETRY_STEP
                 origin, before, frame = self._renewed(renewal, frame)
                 if renewal.last is not None:
-                    yield Piece.single(renewal.last, self.scale)
+                    yield Segment.single(renewal.last, self.scale)
                 if renewal.point is not None:
-                    yield Piece.labelled(renewal.point, origin, self.scale)
+                    yield Segment.labelled(renewal.point, origin, self.scale)
             else:
                 origin, before = self._remeasured(chunk, origin, before)
 
@@ -146,13 +146,15 @@ class Arm:
         gauge = frame.gauge if renewal.gauge is None else renewal.gauge
         return renewal.origin, renewal.before, Frame(self.scale, gauge=gauge)
 
-    def _with_zeros(self, chunk: Chunk, piece: Piece) -> Piece:
-        """The piece with a note where tests of points of codimension two have been zero to their rounding errors."""
+    def _with_zeros(self, chunk: Chunk, segment: Segment) -> Segment:
+        """The segment with a note where tests of points of codimension two have been zero to their rounding errors."""
         if not in_two_parameters(self.problem):
-            return piece
-        rows = self.zeros.passed(chunk, piece.found)
+            return segment
+        rows = self.zeros.passed(chunk, segment.found)
         notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
-        return replace(piece, notes=(*piece.notes, *notes), hiding=piece.hiding + len(notes)) if notes else piece
+        return (
+            replace(segment, notes=(*segment.notes, *notes), hiding=segment.hiding + len(notes)) if notes else segment
+        )
 
     def _remeasured(self, chunk: Chunk, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
         """The last samples in another metric, where states have outgrown theirs."""
@@ -163,20 +165,20 @@ class Arm:
         longer = travelled(chunk.z[0], chunk.z[-1], self.scale, self.problem.angle_periods)
         return (origin, before) if longer is None else self._measure_in(longer, origin, before)
 
-    def _past_touching(self, piece: Piece) -> tuple[Piece, Sample] | None:
+    def _past_touching(self, segment: Segment) -> tuple[Segment, Sample] | None:
         """Where another branch touches this one: the rows up to there, and where it goes on for certain."""
-        mark = next((m for m in piece.found if m.point.touches), None)
+        mark = next((m for m in segment.found if m.point.touches), None)
         if mark is None:
             return None
         sample = self.problem.beyond(mark.point, Frame(self.scale), self.course.settings)
         if sample is None:
             return None
-        kept = [m for m in piece.found if (m.before, m.length) <= (mark.before, mark.length)]
-        for lost in piece.found:
+        kept = [m for m in segment.found if (m.before, m.length) <= (mark.before, mark.length)]
+        for lost in segment.found:
             if lost not in kept:
                 self.course.known.remove(lost.point)
-        rows = piece.cut(mark.before - 1, kept)
-        single = Piece.single(sample, self.scale)
+        rows = segment.cut(mark.before - 1, kept)
+        single = Segment.single(sample, self.scale)
         return replace(
             rows, z=np.concatenate([rows.z, single.z]), tangents=np.concatenate([rows.tangents, single.tangents]),
             unstable=np.concatenate([rows.unstable, single.unstable]),
@@ -196,8 +198,8 @@ class Arm:
 
     def _looked_at(
         self, chunk: Chunk, before: Sample | None, event: Behind | None
-    ) -> tuple[Chunk, tuple[Sample, Piece] | None, tuple[Piece, End | None]]:
-        """What counts of a chunk, the sharp corner beyond it, and its piece with the arm's end, if that is reached."""
+    ) -> tuple[Chunk, tuple[Sample, Segment] | None, tuple[Segment, End | None]]:
+        """What counts of a chunk, the sharp corner beyond it, its segment, and the end of the arm if reached."""
         if self.problem.parts_touching:
             chunk = _until_lowest(chunk)
         if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk), before)) is not None:
@@ -217,10 +219,10 @@ class Arm:
 
     def _resolved(
         self, chunk: Chunk, before: Sample | None, corner: bool, event: Behind | None
-    ) -> tuple[Piece, End | None] | Again:
+    ) -> tuple[Segment, End | None] | Again:
         """See `resolve`; where an error comes up in the last step, the arm ends before that step."""
         errors: list[str] = []
-        resolved: tuple[Piece, End | None] | Again = Again(1)
+        resolved: tuple[Segment, End | None] | Again = Again(1)
         with contained(errors.append):
             passing = self.retries == PASSING
             resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing)
@@ -238,7 +240,7 @@ class Arm:
             self.loop = measured_in(self.loop, old, scale)
         return measured_in(origin, old, scale), None if before is None else measured_in(before, old, scale)
 
-    def _foretold(self, chunk: Chunk, origin: Sample, before: Sample | None, frame: Frame) -> Iterator[Piece]:
+    def _foretold(self, chunk: Chunk, origin: Sample, before: Sample | None, frame: Frame) -> Iterator[Segment]:
         """Where the corrector has failed, the end that the branch was near instead of that failure."""
         if chunk.stop is not Stop.CORRECTOR:
             return
@@ -250,10 +252,10 @@ class Arm:
             return
         self.end = renewal.end
         if renewal.point is not None:
-            yield Piece.labelled(renewal.point, origin, self.scale)
+            yield Segment.labelled(renewal.point, origin, self.scale)
 
-    def _beyond_corner(self, chunk: Chunk, before: Sample | None) -> tuple[Sample, Piece] | None:
-        """A point past a sharp corner, and the piece that leads there (the corner's label, then the point).
+    def _beyond_corner(self, chunk: Chunk, before: Sample | None) -> tuple[Sample, Segment] | None:
+        """A point past a sharp corner, and the segment that leads there (the corner's label, then the point).
 
         A row that lies beyond the corner by rounding alone has the sense of the rows `before`: two arms that leave a
         corner almost alike have almost opposite tangents where the branch passes from one to the other. From there
@@ -281,14 +283,14 @@ class Arm:
         elif chunk.unstable[-1] != beyond.unstable:
             notes = (f"{JUMPS} near {course.position(beyond.z)}",)
         jumps = () if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)
-        return beyond, replace(Piece.single(beyond, self.scale), found=marks, notes=notes, jumps=jumps)
+        return beyond, replace(Segment.single(beyond, self.scale), found=marks, notes=notes, jumps=jumps)
 
-    def _other_arm(self, chunk: Chunk, piece: Piece) -> Sample | None:
+    def _other_arm(self, chunk: Chunk, segment: Segment) -> Sample | None:
         """Past a corner that the last step has labelled: a point with the sense in which the other arm leads away.
 
         The last row is there already, but its tangent has the sense of the row before (see `_beyond_corner`).
         """
-        mark = next((m for m in piece.found if m.point.normal_form.get("kind") == "nonsmooth"), None)
+        mark = next((m for m in segment.found if m.point.normal_form.get("kind") == "nonsmooth"), None)
         if mark is None or chunk.stop is not Stop.EVENT or not 1 <= mark.before == len(chunk) - 1:
             return None
         last = chunk.sample(mark.before - 1)
@@ -297,7 +299,7 @@ class Arm:
             return None
         return crossed[0]
 
-    def _forget(self, corner: tuple[Sample, Piece] | None) -> None:
+    def _forget(self, corner: tuple[Sample, Segment] | None) -> None:
         """Forget a corner that the arm has not come to."""
         for mark in () if corner is None else corner[1].found:
             self.course.known.remove(mark.point)
@@ -333,9 +335,9 @@ def _is_event(code: str) -> bool:
     return row.codimension > 0 and row.test is None
 
 
-def _behind(chunk: Chunk, piece: Piece, scale: Array) -> Behind | None:
+def _behind(chunk: Chunk, segment: Segment, scale: Array) -> Behind | None:
     """The last event in the chunk's last step, seen from where the next one begins; user values are no events."""
-    events = [m for m in piece.found if m.before >= len(chunk) - 1 and _is_event(m.point.type)]
+    events = [m for m in segment.found if m.before >= len(chunk) - 1 and _is_event(m.point.type)]
     if not events:
         return None
     point, last = max(events, key=lambda m: (m.before, m.length)).point, chunk.sample(-1)

@@ -21,7 +21,7 @@ from contin.continuation.location.targets import Wanted
 from contin.continuation.outset import oriented, passed_over, set_out
 from contin.continuation.problem import Chunk, Frame, Sample, Verified, in_two_parameters
 from contin.continuation.seed import Seed
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NotFiniteError
 
@@ -53,7 +53,7 @@ class Departure:
 
     def arm(
         self, sense: int, targets: Sequence[Wanted] = (), march: Callable[..., Chunk] | None = None
-    ) -> tuple[Arm, list[Piece]] | End:
+    ) -> tuple[Arm, list[Segment]] | End:
         """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk; or its end.
 
         The end says why there is no arm.
@@ -80,9 +80,9 @@ class Departure:
         arm = Arm(course, origin, self.scale.copy(), oriented(self.start, sense), march)
         return arm, [self._first_row(origin, sense)] if seed.born else []
 
-    def _first_row(self, origin: Sample, sense: int) -> Piece:
+    def _first_row(self, origin: Sample, sense: int) -> Segment:
         """The row of a branch that is born, with a note of what may have happened before it."""
-        row = Piece.single(origin, self.scale)
+        row = Segment.single(origin, self.scale)
         passed = passed_over(self.seed, origin, sense, self.scale)
         return replace(row, notes=(*row.notes, passed), hiding=row.hiding + 1) if passed else row
 

@@ -21,7 +21,7 @@ from contin.continuation.location.sameness import offset, same_point
 from contin.continuation.location.targets import Wanted, hits
 from contin.continuation.position import position
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
-from contin.continuation.segment import Piece, Row
+from contin.continuation.segment import Row, Segment
 from contin.continuation.settings import Settings
 from contin.kernels.steering import is_dip
 from contin.linalg.vectors import norm
@@ -76,7 +76,7 @@ class Again:
 def resolve(
     course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
     event: Behind | None = None, passing: bool = False,
-) -> tuple[Piece, End | None] | Again:  # fmt: skip
+) -> tuple[Segment, End | None] | Again:  # fmt: skip
     """Labels and end of a chunk; `Again` where its last step jumped and must be repeated with a shorter one.
 
     before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
@@ -84,7 +84,7 @@ def resolve(
     passing : no step is repeated: shorter ones have not explained what changes here either.
     """
     rows, frame = len(chunk) - 1, Frame(scale, chunk.reference, chunk.gauge)
-    piece = Piece(
+    segment = Segment(
         chunk.z[1:], chunk.tangents[1:], chunk.unstable[1:], chunk.eigenvalues[1:], scale,
         evaluations=chunk.evaluations,
     )  # fmt: skip
@@ -103,24 +103,24 @@ def resolve(
         step.finish()
         end = step.end
         if step.last is not step.marched:
-            piece = piece.ending_in(step.last)
+            segment = segment.ending_in(step.last)
         if step.halt is not None:  # the labelled point itself is the last row
-            piece = piece.cut(rows - 1)
+            segment = segment.cut(rows - 1)
         jumps = tuple(rows if length >= 0.0 else rows - 1 for length in step.jumps)
-        piece = replace(piece, notes=(*notes, *step.notes), jumps=jumps, hiding=hiding + step.hiding)
+        segment = replace(segment, notes=(*notes, *step.notes), jumps=jumps, hiding=hiding + step.hiding)
         marked += [_row(f, chunk, scale) for f in step.found]
         if step.found and end is None:
             first = Behind(step.found[0].point, float(np.sum(chunk.lengths[1:rows])) + step.found[0].length)
             before_it = _low(course, chunk, first, forward=False)
             hidden, more, untold = _in_steps(course, chunk, frame, first, before_it, forward=False)
             marked += hidden
-            piece = replace(piece, notes=(*piece.notes, *more), hiding=piece.hiding + untold)
+            segment = replace(segment, notes=(*segment.notes, *more), hiding=segment.hiding + untold)
     if end is None and not corner:
         end = _failure(course, chunk)
-    values, unplaced = _user_values(course, chunk, piece, frame, marked)
+    values, unplaced = _user_values(course, chunk, segment, frame, marked)
     marked += values
     marked.sort(key=lambda row: (row.before, row.length))
-    return replace(piece, found=tuple(marked), notes=(*piece.notes, *unplaced)), end
+    return replace(segment, found=tuple(marked), notes=(*segment.notes, *unplaced)), end
 
 
 @dataclass(eq=False)
@@ -314,11 +314,11 @@ def _in_steps(
 
 
 def _user_values(
-    course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]
+    course: Course, chunk: Chunk, segment: Segment, frame: Frame, marked: Sequence[Row]
 ) -> tuple[list[Row], list[str]]:
     """User values and extrema that are not labelled already (they are from now on), and notes of those not verified."""
     rows, notes = [], []
-    for row in hits(course.targets, course.problem, chunk, piece.z, frame, course.settings, marked):
+    for row in hits(course.targets, course.problem, chunk, segment.z, frame, course.settings, marked):
         if isinstance(row, Note):
             notes.append(row.text)
         elif not course.is_known(row.point, frame.scale):

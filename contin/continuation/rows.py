@@ -1,4 +1,4 @@
-"""Joining the pieces of a branch into arrays, with labelled points as rows among them."""
+"""Joining the segments of a branch into arrays, with labelled points as rows among them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 REPEATED: Final = 1e-13  # scaled: a row this close to a labelled point beside it is that point
 
@@ -42,17 +42,17 @@ class Rows:
     def label(self, row: int, point: Verified, scale: Array) -> None:
         self.labelled.append((row, point, scale))
 
-    def add_piece(self, piece: Piece, sense: float = 1.0) -> None:
+    def add_segment(self, segment: Segment, sense: float = 1.0) -> None:
         """sense : -1 where the order will be turned round."""
-        raw = piece.tangents * (sense * piece.scale)
+        raw = segment.tangents * (sense * segment.scale)
         done = 0
-        self.jumps += [self._length + sum(m.before <= k for m in piece.found) + k - 1 for k in piece.jumps]
-        for mark in piece.found:
-            k = min(max(mark.before - 1, done), len(piece.z))
-            self.add_block(piece.z[done:k], raw[done:k], piece.unstable[done:k], piece.eigenvalues[done:k])
-            self.add_point(mark.point, mark.tangent * (sense * piece.scale), piece.scale)
+        self.jumps += [self._length + sum(m.before <= k for m in segment.found) + k - 1 for k in segment.jumps]
+        for mark in segment.found:
+            k = min(max(mark.before - 1, done), len(segment.z))
+            self.add_block(segment.z[done:k], raw[done:k], segment.unstable[done:k], segment.eigenvalues[done:k])
+            self.add_point(mark.point, mark.tangent * (sense * segment.scale), segment.scale)
             done = k
-        self.add_block(piece.z[done:], raw[done:], piece.unstable[done:], piece.eigenvalues[done:])
+        self.add_block(segment.z[done:], raw[done:], segment.unstable[done:], segment.eigenvalues[done:])
 
     def reverse(self) -> None:
         """Turn the order round; the tangents are those of the new one already."""
@@ -63,7 +63,7 @@ class Rows:
     def joined(self, start_row: int) -> tuple[Block, int]:
         """All rows as four arrays, each point once, and the row of the start among them."""
         block = self._stacked_blocks()
-        self._blocks = [block]  # those of pieces are let go: together they are as large
+        self._blocks = [block]  # those of segments are let go: together they are as large
         same = self._repeated(block[0])
         if not same:
             return block, start_row

@@ -20,11 +20,11 @@ class Row:
     before: int
     length: float
     point: Verified
-    tangent: Array  # scaled by the piece's scale
+    tangent: Array  # scaled by the segment's scale
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Segment:
     """Accepted rows of one chunk (the row it began at not included) and the labelled points among them."""
 
     z: Array
@@ -45,19 +45,19 @@ class Piece:
         return columns.min(axis=1), columns.max(axis=1)
 
     @classmethod
-    def single(cls, sample: Sample, scale: Array) -> Piece:
+    def single(cls, sample: Sample, scale: Array) -> Segment:
         """One row."""
         return cls(sample.z[None], sample.tangent[None], np.array([sample.unstable]), sample.eigenvalues[None], scale)
 
     @classmethod
-    def labelled(cls, point: Verified, sample: Sample, scale: Array) -> Piece:
+    def labelled(cls, point: Verified, sample: Sample, scale: Array) -> Segment:
         """A labelled point with no other rows."""
         mark = Row(1, 0.0, point, sample.tangent)
         empty = np.empty((0, len(sample.z)))
         values = np.empty((0, len(sample.eigenvalues)), complex)
         return cls(empty, empty, np.empty(0, np.int64), values, scale, (mark,))
 
-    def cut(self, rows: int, found: Sequence[Row] | None = None) -> Piece:
+    def cut(self, rows: int, found: Sequence[Row] | None = None) -> Segment:
         """The first rows, with these labelled points (by default those among them)."""
         kept = tuple(mark for mark in self.found if mark.before <= rows) if found is None else tuple(found)
         return replace(
@@ -65,7 +65,7 @@ class Piece:
             eigenvalues=self.eigenvalues[:rows], found=kept, jumps=tuple(k for k in self.jumps if k <= rows),
         )  # fmt: skip
 
-    def ending_in(self, last: Sample) -> Piece:
+    def ending_in(self, last: Sample) -> Segment:
         """The same rows but for the last one (a bound that was passed, say, is met exactly)."""
         z, tangents, unstable = self.z.copy(), self.tangents.copy(), self.unstable.copy()
         z[-1], tangents[-1], unstable[-1] = last.z, last.tangent, last.unstable

@@ -34,7 +34,7 @@ from contin.continuation.problem import (
 )
 from contin.continuation.rows import Rows
 from contin.continuation.seed import Seed
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
@@ -48,7 +48,7 @@ Watcher = Callable[[Record], None]
 class _ArmRecord:
     """What one arm contributed, in its own order."""
 
-    pieces: list[Piece]
+    segments: list[Segment]
     end: End
     accepted: int
 
@@ -81,25 +81,25 @@ def trace(
         if isinstance(ready, End):
             records[sense] = _ArmRecord([], ready, 0)
             continue
-        arm, pieces = ready
+        arm, segments = ready
         if most is not None:
             arm.allow(most - sum(record.accepted for record in records.values()))
-        rows, first = sum(len(piece.z) for piece in pieces), len(pieces)
+        rows, first = sum(len(segment.z) for segment in segments), len(segments)
         try:
-            for piece in until_defect(followed(arm, seed.z), arm):
-                pieces.append(piece)
-                rows += len(piece.z)
+            for segment in until_defect(followed(arm, seed.z), arm):
+                segments.append(segment)
+                rows += len(segment.z)
                 if watch is not None:
-                    watch(_progress(seed.problem, piece, rows, bounds, departure.known))
+                    watch(_progress(seed.problem, segment, rows, bounds, departure.known))
                 if deadline is not None and computing_time() > deadline and not arm.is_over():
-                    arm.end = _out_of_time(seed, pieces)
+                    arm.end = _out_of_time(seed, segments)
                     break
         except KeyboardInterrupt:
-            arm.end = End("stopped", f"stopped by the user at {_position(seed, pieces)}")
+            arm.end = End("stopped", f"stopped by the user at {_position(seed, segments)}")
         assert arm.end is not None
-        del pieces[len(pieces) - arm.retraced :]
-        notes.extend(note for piece in pieces[first:] for note in piece.notes)
-        records[sense] = _ArmRecord(pieces, arm.end, arm.accepted)
+        del segments[len(segments) - arm.retraced :]
+        notes.extend(note for segment in segments[first:] for note in segment.notes)
+        records[sense] = _ArmRecord(segments, arm.end, arm.accepted)
         if DEFECT in arm.end.text:
             notes.append(arm.end.text)
         if arm.end.reason == "stopped":
@@ -119,51 +119,53 @@ def _assembled(
         return _assemble(departure, records, name, targets, [*notes], started, before)
 
 
-def _out_of_time(seed: Seed, pieces: list[Piece]) -> End:
-    return End("steps", f"the time of the budget was used up at {_position(seed, pieces)}; the branch may go on")
+def _out_of_time(seed: Seed, segments: list[Segment]) -> End:
+    return End("steps", f"the time of the budget was used up at {_position(seed, segments)}; the branch may go on")
 
 
-def _position(seed: Seed, pieces: list[Piece]) -> str:
-    last = next((piece.z[-1, -1] for piece in reversed(pieces) if len(piece.z)), seed.z[-1])
+def _position(seed: Seed, segments: list[Segment]) -> str:
+    last = next((segment.z[-1, -1] for segment in reversed(segments) if len(segment.z)), seed.z[-1])
     return f"{seed.problem.parameters[0]} = {last:.10g}"
 
 
-def followed(arm: Arm, start: Array) -> Iterator[Piece]:
-    """The pieces of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
-    inside = within_reach(arm.problem, above_floors(arm.problem, arm.pieces(), arm, start), arm)
+def followed(arm: Arm, start: Array) -> Iterator[Segment]:
+    """The segments of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
+    inside = within_reach(arm.problem, above_floors(arm.problem, arm.segments(), arm, start), arm)
     whole = until_closed(until_lost(inside, arm, start), arm, start)
     return until_standing(until_retracing(until_repeating(whole, arm), arm), arm)
 
 
-def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
-    """The pieces up to an error, numerical or one that contin did not foresee: it ends the arm, and loses no piece."""
+def until_defect(segments: Iterator[Segment], arm: Arm) -> Iterator[Segment]:
+    """The segments up to an error, foreseen by contin or not: it ends the arm, and loses none of them."""
     last = arm.origin.z
 
     def failed(text: str) -> None:
         arm.end = End("corrector", f"after {arm.course.position(last)}, {text}")
 
     while True:
-        piece = None
+        segment = None
         try:
             with contained(failed):
-                piece = next(pieces, None)
+                segment = next(segments, None)
         except (NoSolutionError, NotFiniteError) as error:
             failed(str(error))
-        if piece is None:
+        if segment is None:
             return
-        last = piece.z[-1] if len(piece.z) else last
-        yield piece
+        last = segment.z[-1] if len(segment.z) else last
+        yield segment
 
 
-def _progress(problem: Problem, piece: Piece, rows: int, bounds: tuple[float, float], known: list[Verified]) -> Fields:
-    value = float(piece.z[-1, -1]) if len(piece.z) else float("nan")
+def _progress(
+    problem: Problem, segment: Segment, rows: int, bounds: tuple[float, float], known: list[Verified]
+) -> Fields:
+    value = float(segment.z[-1, -1]) if len(segment.z) else float("nan")
     return {
         "parameter": problem.parameters[0],
         "value": value,
         "fraction": (value - bounds[0]) / (bounds[1] - bounds[0]),
         "rows": rows,
         "labels": [k.type for k in known],
-        "piece": piece,
+        "segment": segment,
     }
 
 
@@ -174,13 +176,13 @@ def _assemble(
     seed, problem = departure.seed, departure.seed.problem
     rows = Rows()
     if -1 in records:
-        for piece in records[-1].pieces:
-            rows.add_piece(piece, sense=-1.0)
+        for segment in records[-1].segments:
+            rows.add_segment(segment, sense=-1.0)
         rows.reverse()
     start_row = _add_start(rows, departure, targets)
     if 1 in records:
-        for piece in records[1].pieces:
-            rows.add_piece(piece)
+        for segment in records[1].segments:
+            rows.add_segment(segment)
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: Fields = dict(problem.columns(z))
     properties: list[str] = []  # what holds all along the branch
@@ -221,13 +223,13 @@ def _assemble(
         locus=problem.locus, free=problem.free_names,
         parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
         jumped=max(unlabelled - len(changes), 0),
-        unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
+        unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.segments),
     )  # fmt: skip
 
 
 def _effort(records: dict[int, _ArmRecord], problem: Problem, before: Mapping[str, int]) -> dict[str, int]:
     return {
-        "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
+        "evaluations": sum(p.evaluations for r in records.values() for p in r.segments),
         "steps": sum(r.accepted for r in records.values()),
         **{name: count - before.get(name, 0) for name, count in problem.effort().items()},
     }

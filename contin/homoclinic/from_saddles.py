@@ -69,15 +69,15 @@ class ConnectingOrbit:
         self._check_count(n - stable, n - unstable, persists)
         orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(n), 4)
         q, guesses = 0.0 if persists else float(self.p[second]), []
-        for piece in self._guesses(float(self.p[first]), n - stable, n - unstable):
-            winding = turns(self.periods, piece.u[-1] - self.saddles[1])
+        for arc in self._guesses(float(self.p[first]), n - stable, n - unstable):
+            winding = turns(self.periods, arc.u[-1] - self.saddles[1])
             loop = self.between.is_loop
             curve = ConnectionCurve(
                 orbits, second, 1 if loop else 2, stable, unstable, slots=(-1,) if persists else (-2, -1),
                 winding=winding if loop and winding.any() else None, truncation=self.truncation,
             )  # fmt: skip
             ends = self.saddles[:1] if loop else np.array([self.saddles[0], self.saddles[1] + winding])
-            guesses.append((curve, piece, ends))
+            guesses.append((curve, arc, ends))
         return _first_solved(guesses, q)
 
     def _symmetric(self, first: int, second: int, reversor: Reversor) -> Seed:
@@ -93,10 +93,10 @@ class ConnectingOrbit:
         )  # fmt: skip
         parameter, q = float(self.p[first]), 0.0 if persists else float(self.p[second])
         if self.path is not None:
-            pieces = [half_of(self.path, self.between, reversor, parameter)]
+            arcs = [half_of(self.path, self.between, reversor, parameter)]
         else:
-            pieces = [trajectory(self.between, one, parameter) for one in crossings(self.between, reversor)]
-        return _first_solved([(curve, piece, self.saddles[:1]) for piece in pieces], q)
+            arcs = [trajectory(self.between, one, parameter) for one in crossings(self.between, reversor)]
+        return _first_solved([(curve, arc, self.saddles[:1]) for arc in arcs], q)
 
     def _check_symmetric(self, leaving: int, fixed: int, persists: bool) -> None:
         n, free = self.system.n, leaving + fixed - self.system.n
@@ -156,24 +156,24 @@ class ConnectingOrbit:
 
 def _first_solved(guesses: list[tuple[ConnectionCurve, Profile, Array]], q: float) -> Seed:
     failures: list[str] = []
-    for curve, piece, ends in guesses:
+    for curve, arc, ends in guesses:
         try:
-            return _solved(curve, piece, ends, q)
+            return _solved(curve, arc, ends, q)
         except ContinError as error:
             failures.append(str(error))
     tried = f" (the best of {len(failures)} trajectories that were tried)" if len(failures) > 1 else ""
     raise NoSolutionError(f"no connecting orbit was found: {failures[0]}{tried}")
 
 
-def _solved(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) -> Seed:
+def _solved(curve: ConnectionCurve, arc: Profile, ends: Array, q: float) -> Seed:
     """By Newton's method where the guess is near, and by homotopy where that fails or the guess is not near."""
-    z = curve.join(piece, ends, q)
+    z = curve.join(arc, ends, q)
     if curve.reversor is not None:
-        return _no_point(solved_connection(curve, piece, ends, q, None), piece)
-    if max(distances(curve, z, curve.orbits.state_sizes(piece))) <= NEAR:
+        return _no_point(solved_connection(curve, arc, ends, q, None), arc)
+    if max(distances(curve, z, curve.orbits.state_sizes(arc))) <= NEAR:
         with suppress(InputError):  # homotopy is tried next, whose failure is told
-            return solved_connection(curve, piece, ends, q, None)
-    home, ends = brought_home(curve, piece, ends, q)
+            return solved_connection(curve, arc, ends, q, None)
+    home, ends = brought_home(curve, arc, ends, q)
     return solved_connection(curve, home, ends, q, None)
 
 

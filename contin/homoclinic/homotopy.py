@@ -45,16 +45,16 @@ class StepFailed(NoSolutionError):
     """A step of the homotopy leads nowhere; which one, in words."""
 
 
-def brought_home(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) -> tuple[Profile, Array]:
+def brought_home(curve: ConnectionCurve, arc: Profile, ends: Array, q: float) -> tuple[Profile, Array]:
     """The orbit whose end is near the second saddle, and the saddles, at the value of p that this needs.
 
     Raises StepFailed, with the step of the homotopy.
     """
-    sizes = curve.orbits.state_sizes(piece)
-    piece = piece.on_mesh(choose_mesh(piece, sizes, curve.orbits.tolerance, curve.orbits.intervals).h)
-    z = curve.join(piece, ends, q)
+    sizes = curve.orbits.state_sizes(arc)
+    arc = arc.on_mesh(choose_mesh(arc, sizes, curve.orbits.tolerance, curve.orbits.intervals).h)
+    z = curve.join(arc, ends, q)
     if curve.reversor is None and max(distances(curve, z, sizes)) <= NEAR:
-        return piece, ends
+        return arc, ends
     if curve.unstable_count:
         z = _in_the_stable_eigenspace(curve, z, sizes)
     z = _lengthened(curve, z, sizes)

@@ -28,7 +28,7 @@ class Reach:
 
 HYPERBOLIC: Final = Reach(1e-5, 3e-4, 1e-8)
 SADDLE_NODE: Final = Reach(3e-4, 3e-3, 1e-7)  # approached like 1 / t; the strong directions damp the projections' error
-ADDED = 6  # intervals of a piece that is added
+ADDED = 6  # intervals of a arc that is added
 LEAST = 0.3  # part of its neighbour below which a cut interval is none of its own
 
 
@@ -79,13 +79,13 @@ def _extended(profile: Profile, saddle: Array, tail: Tail, at_end: bool) -> Prof
         return profile
     total = profile.period + float(edges[-1])
     moments = node_times(steps / edges[-1], profile.m)[1:] * edges[-1]
-    piece = saddle + tail.offsets(moments)
-    if not np.all(np.isfinite(piece)):
+    arc = saddle + tail.offsets(moments)
+    if not np.all(np.isfinite(arc)):
         return profile
     own, new = profile.h * (profile.period / total), steps / total
     if at_end:
-        return replace(profile, u=np.vstack([profile.u, piece]), period=total, h=np.concatenate([own, new]))
-    return replace(profile, u=np.vstack([piece[::-1], profile.u]), period=total, h=np.concatenate([new[::-1], own]))
+        return replace(profile, u=np.vstack([profile.u, arc]), period=total, h=np.concatenate([own, new]))
+    return replace(profile, u=np.vstack([arc[::-1], profile.u]), period=total, h=np.concatenate([new[::-1], own]))
 
 
 def _cut(profile: Profile, ends: Sequence[Array], sizes: Array, wanted: float) -> Profile:
@@ -95,12 +95,12 @@ def _cut(profile: Profile, ends: Sequence[Array], sizes: Array, wanted: float) -
     extent = extent_of(profile, sizes)
     away = np.max(np.abs(u - ends[0]) / sizes, axis=1) > 0.1 * wanted * extent
     if len(ends) == 1:
-        return piece_of(profile, float(times[np.argmax(away)]), 1.0)
+        return arc_of(profile, float(times[np.argmax(away)]), 1.0)
     arrived = np.max(np.abs(u - ends[-1]) / sizes, axis=1) > 0.1 * wanted * extent
-    return piece_of(profile, float(times[np.argmax(away)]), float(times[len(times) - 1 - np.argmax(arrived[::-1])]))
+    return arc_of(profile, float(times[np.argmax(away)]), float(times[len(times) - 1 - np.argmax(arrived[::-1])]))
 
 
-def piece_of(profile: Profile, start: float, end: float) -> Profile:
+def arc_of(profile: Profile, start: float, end: float) -> Profile:
     """The stretch between two scaled times, on the mesh that it had.
 
     A cut interval of which little is left goes to its neighbour: on a very short one the top derivative, from which the

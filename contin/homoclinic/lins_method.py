@@ -1,12 +1,12 @@
-"""Lin's method: an orbit in pieces from section to section, with gaps along a fixed direction.
+"""Lin's method: an orbit in arcs from section to section, with gaps along a fixed direction.
 
-Piece 1 leaves the saddle x0 in its unstable eigenspace, pieces 2 .. N lead from the section back to it, the last one
+Arc 1 leaves the saddle x0 in its unstable eigenspace, arcs 2 .. N lead from the section back to it, the last one
 ends in the stable eigenspace of x0. With c a point of the section, d its normal and Z the Lin direction,
 
     u_k' = T_k f(u_k),   u_k(1) - u_(k+1)(0) = gap_k Z,   <d, u_(k+1)(0) - c> = 0,   k = 1 .. N,
 
 has for all times T_k and parameters near a homoclinic orbit one solution with small gaps (Lin 1990; Oldeman, Champneys
-and Krauskopf, Int. J. Bifurcation and Chaos 13 (2003) 2977). Where all gaps vanish the pieces are one orbit.
+and Krauskopf, Int. J. Bifurcation and Chaos 13 (2003) 2977). Where all gaps vanish the arcs are one orbit.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ class Section:
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
-    """The pieces with their times, the gaps (N,), and the parameter `first` at its value in p."""
+class Arcs:
+    """The arcs with their times, the gaps (N,), and the parameter `first` at its value in p."""
 
     system: CompiledSystem
     p: Array
@@ -56,19 +56,19 @@ class Pieces:
     sizes: Array
     stable: int  # dimensions of the eigenspaces of the saddle
     unstable: int
-    pieces: tuple[Profile, ...]
+    arcs: tuple[Profile, ...]
     gaps: Array
 
     # -- solving -------------------------------------------------------------------------------------------------------
 
-    def solved(self, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Pieces | None:
-        """With some gaps, times of pieces and the parameter unknown, as many together as there are gaps.
+    def solved(self, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Arcs | None:
+        """With some gaps, times of arcs and the parameter unknown, as many together as there are gaps.
 
-        unknown : the gaps.  times : the pieces whose time is.  None where Newton's method fails.
+        unknown : the gaps.  times : the arcs whose time is.  None where Newton's method fails.
         """
         from scipy.sparse.linalg import splu
 
-        def correct(now: Pieces) -> tuple[float, Pieces] | None:
+        def correct(now: Arcs) -> tuple[float, Arcs] | None:
             found = now._system(unknown, times, by_parameter)
             if found is None:
                 return None
@@ -84,25 +84,25 @@ class Pieces:
         found = newton(correct, self, NEWTON)
         return None if found is None else found.at
 
-    def _moved(self, step: Array, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Pieces | None:
-        place, pieces = 0, []
-        for piece in self.pieces:
-            pieces.append(replace(piece, u=piece.u + step[place : place + piece.u.size].reshape(piece.u.shape)))
-            place += piece.u.size
+    def _moved(self, step: Array, unknown: Sequence[int], times: Sequence[int], by_parameter: bool) -> Arcs | None:
+        place, arcs = 0, []
+        for arc in self.arcs:
+            arcs.append(replace(arc, u=arc.u + step[place : place + arc.u.size].reshape(arc.u.shape)))
+            place += arc.u.size
         gaps, p = self.gaps.copy(), self.p.copy()
         gaps[list(unknown)] += step[place : place + len(unknown)]
         place += len(unknown)
         for k in times:
-            pieces[k] = replace(pieces[k], period=pieces[k].period + float(step[place]))
+            arcs[k] = replace(arcs[k], period=arcs[k].period + float(step[place]))
             place += 1
-            if pieces[k].period <= 0.0:
+            if arcs[k].period <= 0.0:
                 return None
         if by_parameter:
             p[self.first] += step[place]
-        moved = replace(self, pieces=tuple(pieces), gaps=gaps, p=p)
+        moved = replace(self, arcs=tuple(arcs), gaps=gaps, p=p)
         return moved.at_rest()
 
-    def at_rest(self) -> Pieces | None:
+    def at_rest(self) -> Arcs | None:
         """With the saddle of its parameters."""
 
         def correct(u: Array) -> tuple[float, Array] | None:
@@ -119,7 +119,7 @@ class Pieces:
         if own is None:
             return None
         first, last = own._projections()
-        offsets = [(self.pieces[0].u[0] - own.saddle) / self.sizes, (self.pieces[-1].u[-1] - own.saddle) / self.sizes]
+        offsets = [(self.arcs[0].u[0] - own.saddle) / self.sizes, (self.arcs[-1].u[-1] - own.saddle) / self.sizes]
         return np.concatenate([first.T @ offsets[0], last.T @ offsets[1]])[:n]
 
     def _projections(self) -> tuple[Array, Array]:
@@ -136,14 +136,14 @@ class Pieces:
         own = self.at_rest()
         if own is None:
             return None
-        starts = np.concatenate([[0], np.cumsum([piece.u.size for piece in self.pieces])])
+        starts = np.concatenate([[0], np.cumsum([arc.u.size for arc in self.arcs])])
         total, gaps = int(starts[-1]), len(self.gaps)
         width = total + gaps
         columns = {k: total + len(unknown) + j for j, k in enumerate(times)}
         rows, values = [], []
-        for k, piece in enumerate(self.pieces):
-            defect, blocks, by_time, by_p = self._collocation(piece)
-            count, m = piece.intervals, piece.m
+        for k, arc in enumerate(self.arcs):
+            defect, blocks, by_time, by_p = self._collocation(arc)
+            count, m = arc.intervals, arc.m
             i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
             where = ((i * m * n + r).ravel(), (starts[k] + i * m * n + c).ravel())
             block = sparse.coo_matrix((blocks.ravel(), where), shape=(count * m * n, width)).tolil()
@@ -162,7 +162,7 @@ class Pieces:
         return np.concatenate([*values, *rest]), matrix, scale
 
     def _closing(
-        self, own: Pieces, starts: NDArray[np.intp], width: int, unknown: Sequence[int], by_parameter: bool
+        self, own: Arcs, starts: NDArray[np.intp], width: int, unknown: Sequence[int], by_parameter: bool
     ) -> tuple[list[Array], Array] | None:
         """Projections at both ends, gaps and sections, with their dense rows."""
         n, s, section, gaps, total = self.system.n, self.sizes, self.section, len(self.gaps), int(starts[-1])
@@ -185,58 +185,58 @@ class Pieces:
         for k in range(gaps):
             row = n + k * (n + 1)
             end, start = int(starts[k + 1]) - n, int(starts[k + 1])
-            jump = (self.pieces[k].u[-1] - self.pieces[k + 1].u[0] - self.gaps[k] * section.direction) / s
+            jump = (self.arcs[k].u[-1] - self.arcs[k + 1].u[0] - self.gaps[k] * section.direction) / s
             dense[row : row + n, end : end + n] = np.eye(n)
             dense[row : row + n, start : start + n] = -np.eye(n)
             if k in unknown:
                 dense[row : row + n, total + list(unknown).index(k)] = -section.direction / s
             dense[row + n, start : start + n] = section.normal * s
-            rest += [jump, np.array([section.normal @ (self.pieces[k + 1].u[0] - section.point)])]
+            rest += [jump, np.array([section.normal @ (self.arcs[k + 1].u[0] - section.point)])]
         return rest, dense
 
-    def _collocation(self, piece: Profile) -> tuple[Array, Array, Array, Array]:
+    def _collocation(self, arc: Profile) -> tuple[Array, Array, Array, Array]:
         """Defects, their blocks by nodes, and by the time and the parameter, in states relative to their sizes."""
-        n, m, scheme, s = self.system.n, piece.m, basis(piece.m), self.sizes
-        nodes = np.arange(piece.intervals)[:, None] * m + np.arange(m + 1)
-        states = np.einsum("cj,ijk->ick", scheme.values, piece.u[nodes]).reshape(-1, n)
+        n, m, scheme, s = self.system.n, arc.m, basis(arc.m), self.sizes
+        nodes = np.arange(arc.intervals)[:, None] * m + np.arange(m + 1)
+        states = np.einsum("cj,ijk->ick", scheme.values, arc.u[nodes]).reshape(-1, n)
         f, whole = self.system.jacobians(np.ascontiguousarray(states), np.tile(self.p, (len(states), 1)))
-        f, whole = np.asarray(f).reshape(-1, m, n), np.asarray(whole).reshape(piece.intervals, m, n, -1)
-        long = piece.h * piece.period
-        defect = np.einsum("cj,ijk->ick", scheme.slopes, piece.u[nodes]) - long[:, None, None] * f
+        f, whole = np.asarray(f).reshape(-1, m, n), np.asarray(whole).reshape(arc.intervals, m, n, -1)
+        long = arc.h * arc.period
+        defect = np.einsum("cj,ijk->ick", scheme.slopes, arc.u[nodes]) - long[:, None, None] * f
         blocks = -np.einsum("i,cj,ickq->ickjq", long, scheme.values, whole[..., :n])
         blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
         blocks *= (s / s[:, None])[None, None, :, None, :]
-        by_time, by_p = -piece.h[:, None, None] * f / s, -long[:, None, None] * whole[..., n + self.first] / s
+        by_time, by_p = -arc.h[:, None, None] * f / s, -long[:, None, None] * whole[..., n + self.first] / s
         return (defect / s).ravel(), blocks, by_time.ravel(), by_p.ravel()
 
     # -- changes -------------------------------------------------------------------------------------------------------
 
-    def shorter(self, k: int, time: float) -> Pieces:
-        """The piece k without some time where it is nearest to the saddle, on a mesh that fits it."""
-        piece = self.pieces[k]
-        t = piece.times * piece.period
-        near = float(t[int(np.argmin(np.linalg.norm((piece.u - self.saddle) / self.sizes, axis=1)))])
-        near = float(np.clip(near, 0.5 * time, piece.period - 0.5 * time))
+    def shorter(self, k: int, time: float) -> Arcs:
+        """The arc k without some time where it is nearest to the saddle, on a mesh that fits it."""
+        arc = self.arcs[k]
+        t = arc.times * arc.period
+        near = float(t[int(np.argmin(np.linalg.norm((arc.u - self.saddle) / self.sizes, axis=1)))])
+        near = float(np.clip(near, 0.5 * time, arc.period - 0.5 * time))
 
         def kept(s: Array) -> Array:
-            at = s * (piece.period - time)
-            return piece.at(np.where(at < near - 0.5 * time, at, at + time) / piece.period)
+            at = s * (arc.period - time)
+            return arc.at(np.where(at < near - 0.5 * time, at, at + time) / arc.period)
 
-        even = np.full(piece.intervals, 1.0 / piece.intervals)
-        fresh = Profile(piece.m, np.empty_like(piece.u), piece.period - time, even, piece.parameter)
+        even = np.full(arc.intervals, 1.0 / arc.intervals)
+        fresh = Profile(arc.m, np.empty_like(arc.u), arc.period - time, even, arc.parameter)
         fresh = replace(fresh, u=kept(fresh.times))
-        h = choose_mesh(piece, self.sizes, MESH, piece.intervals).h
+        h = choose_mesh(arc, self.sizes, MESH, arc.intervals).h
         fresh = replace(fresh, h=h)
         fresh = replace(fresh, u=kept(fresh.times))
-        return replace(self, pieces=(*self.pieces[:k], fresh, *self.pieces[k + 1 :]))
+        return replace(self, arcs=(*self.arcs[:k], fresh, *self.arcs[k + 1 :]))
 
     def whole(self) -> tuple[Array, Array]:
-        """Times and states of the pieces in a row."""
+        """Times and states of the arcs in a row."""
         times, states, began = [], [], 0.0
-        for k, piece in enumerate(self.pieces):
-            t = piece.times * piece.period + began
+        for k, arc in enumerate(self.arcs):
+            t = arc.times * arc.period + began
             times.append(t[1:] if k else t)
-            states.append(piece.u[1:] if k else piece.u)
+            states.append(arc.u[1:] if k else arc.u)
             began = float(t[-1])
         return np.concatenate(times), np.concatenate(states)
 

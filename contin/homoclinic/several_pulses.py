@@ -17,8 +17,8 @@ from contin.abi import Array
 from contin.continuation.seed import Seed
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.from_table import laid
-from contin.homoclinic.interval import piece_of
-from contin.homoclinic.lins_method import Pieces, Section
+from contin.homoclinic.interval import arc_of
+from contin.homoclinic.lins_method import Arcs, Section
 from contin.homoclinic.saddle_connections import ConnectionProblem
 from contin.homoclinic.solved_connection import solved_connection
 from contin.lowering.system import CompiledSystem
@@ -63,17 +63,17 @@ class Pulses:
         failures = []
         start = self._start()
         shift = int(abs(start.gaps[0]) <= abs(start.gaps[-1]))
-        for pieces in self._closed(start, 0, shift):
+        for arcs in self._closed(start, 0, shift):
             try:
-                return [self._joined(pieces)]
+                return [self._joined(arcs)]
             except ContinError as error:
-                failures.append(f"step {self.count} of Lin's method (all pieces as one orbit): {error}")
+                failures.append(f"step {self.count} of Lin's method (all arcs as one orbit): {error}")
         told = failures[0] if failures else NO_ZERO
         raise NoSolutionError(f"{self.where}: no homoclinic orbit of {self.count} turns was found: {told}")
 
     # -- the copies ----------------------------------------------------------------------------------------------------
 
-    def _start(self) -> Pieces:
+    def _start(self) -> Arcs:
         """Copies of the orbit, cut at the section, on meshes that fit."""
         curve, z = self.problem.curve, self.z
         profile, saddle = curve.orbit_of(z), curve.equilibria(z)[0]
@@ -84,11 +84,11 @@ class Pulses:
         p = curve.full_parameters(z)
         rate = np.asarray(self.system.value(point, p)) / sizes
         section = Section(point, rate / np.linalg.norm(rate) / sizes, self._lin_direction(sizes, cut, rate))
-        before, after = piece_of(profile, 0.0, cut), piece_of(profile, cut, 1.0)
-        pieces = (before, *[_one(after, before)] * (self.count - 1), after)
+        before, after = arc_of(profile, 0.0, cut), arc_of(profile, cut, 1.0)
+        arcs = (before, *[_one(after, before)] * (self.count - 1), after)
         gaps = np.zeros(self.count)
-        own = Pieces(
-            self.system, p, curve.first, saddle, section, sizes, curve.stable_count, curve.unstable_count, pieces, gaps
+        own = Arcs(
+            self.system, p, curve.first, saddle, section, sizes, curve.stable_count, curve.unstable_count, arcs, gaps
         )
         found = own.solved(range(self.count), (), False)
         if found is None:
@@ -110,8 +110,8 @@ class Pulses:
 
     # -- closing the gaps ----------------------------------------------------------------------------------------------
 
-    def _closed(self, start: Pieces, k: int, shift: int) -> Iterator[Pieces]:
-        """Pieces whose gaps k + shift, .. vanish, those before being closed already.
+    def _closed(self, start: Arcs, k: int, shift: int) -> Iterator[Arcs]:
+        """Arcs whose gaps k + shift, .. vanish, those before being closed already.
 
         shift : 1 where the copies leave the first gap closed, as it depends on the parameter alone (the others on the
         time before them); 0 where it is the last one (the others on the time after them).
@@ -122,17 +122,17 @@ class Pulses:
         for at in self._zeros(start, k, shift):
             yield from self._closed(at, k + 1, shift)
 
-    def _zeros(self, start: Pieces, k: int, shift: int) -> Iterator[Pieces]:
+    def _zeros(self, start: Arcs, k: int, shift: int) -> Iterator[Arcs]:
         """Where gap k vanishes, at times that become shorter; those at which gaps are hardly more than noise last."""
         times, gap = tuple(range(1, k + 1)), k + shift
         unknown = tuple(range(gap, self.count - 1 + shift))
         anchor = 0 if shift else self.count - 1  # closed by the parameter
         now = replace(start, gaps=np.where(np.arange(self.count) == anchor, 0.0, start.gaps))
         found, step = now.solved(unknown, times, True), self._step(start)
-        shortest, largest, count = SHORTEST * start.pieces[k + 1].period, 0.0, 0
-        early: list[Pieces] = []
+        shortest, largest, count = SHORTEST * start.arcs[k + 1].period, 0.0, 0
+        early: list[Arcs] = []
         for _ in range(STEPS):
-            if found is None or count == MOST or found.pieces[k + 1].period - step < shortest:
+            if found is None or count == MOST or found.arcs[k + 1].period - step < shortest:
                 break
             before = found
             found = before.shorter(k + 1, step).solved(unknown, times, True)
@@ -148,44 +148,44 @@ class Pulses:
                 early.append(at)
         yield from early[: -MOST - 1 : -1]
 
-    def _step(self, pieces: Pieces) -> float:
+    def _step(self, arcs: Arcs) -> float:
         """By which a time between passages becomes shorter."""
-        matrix = np.asarray(self.system.jacobian(pieces.saddle, pieces.p)[1])[:, : self.system.n]
+        matrix = np.asarray(self.system.jacobian(arcs.saddle, arcs.p)[1])[:, : self.system.n]
         sizes = np.abs(np.linalg.eigvals(matrix))
         return float(max(STEP / sizes.max(), 0.1 * STEP / sizes.min()))
 
     def _at_zero(
-        self, before: Pieces, after: Pieces, pair: tuple[int, int], times: tuple[int, ...], unknown: tuple[int, ...]
-    ) -> Pieces | None:
-        """The gap of a pair closed by the time of its piece."""
-        gap, piece = pair
+        self, before: Arcs, after: Arcs, pair: tuple[int, int], times: tuple[int, ...], unknown: tuple[int, ...]
+    ) -> Arcs | None:
+        """The gap of a pair closed by the time of its arc."""
+        gap, arc = pair
         near = after if abs(after.gaps[gap]) < abs(before.gaps[gap]) else before
         gaps = near.gaps.copy()
         gaps[gap] = 0.0
         rest = tuple(j for j in unknown if j != gap)
-        return replace(near, gaps=gaps).solved(rest, (*times, piece), True)
+        return replace(near, gaps=gaps).solved(rest, (*times, arc), True)
 
-    def _joined(self, pieces: Pieces) -> Seed:
+    def _joined(self, arcs: Arcs) -> Seed:
         """One orbit, solved for as every other homoclinic orbit."""
         curve = self.problem.curve
-        t, u = pieces.whole()
-        parameter = float(pieces.p[curve.first])
-        orbit = laid(t, u, pieces.sizes, parameter)
-        seed = solved_connection(replace(curve, gauge=None), orbit, pieces.saddle[None], float(self.z[-2]), None)
+        t, u = arcs.whole()
+        parameter = float(arcs.p[curve.first])
+        orbit = laid(t, u, arcs.sizes, parameter)
+        seed = solved_connection(replace(curve, gauge=None), orbit, arcs.saddle[None], float(self.z[-2]), None)
         found = seed.problem.profile(seed.z)  # type: ignore[attr-defined]
-        turns = passages(found, pieces)
+        turns = passages(found, arcs)
         if turns != self.count:
             raise NoSolutionError(f"Newton's method came to an orbit of {turns} turns")
         return seed
 
 
-def passages(profile: Profile, pieces: Pieces) -> int:
+def passages(profile: Profile, arcs: Arcs) -> int:
     """How often an orbit crosses the section in the sense of the flow there, beside its point."""
-    u, section = profile.at(np.linspace(0.0, 1.0, SAMPLES)), pieces.section
+    u, section = profile.at(np.linspace(0.0, 1.0, SAMPLES)), arcs.section
     side = (u - section.point) @ section.normal
     up = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))
-    off = np.linalg.norm((u[up] - section.point) / pieces.sizes, axis=1)
-    return int(np.sum(off < BESIDE * float(np.linalg.norm((section.point - pieces.saddle) / pieces.sizes))))
+    off = np.linalg.norm((u[up] - section.point) / arcs.sizes, axis=1)
+    return int(np.sum(off < BESIDE * float(np.linalg.norm((section.point - arcs.saddle) / arcs.sizes))))
 
 
 def _one(first: Profile, second: Profile) -> Profile:

@@ -19,7 +19,7 @@ ROUNDS = 4  # of solving, until interval and mesh fit
 ZERO = 1e-6  # of its natural width: the value of a parameter that is smaller is zero to its error, and says no width
 
 
-def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
+def solved_connection(curve: ConnectionCurve, arc: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
     """The connection solved for at fixed q (else p), on an interval and a mesh that fit it; `parent` : its origin."""
     source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
     problem = ConnectionProblem(curve)
@@ -29,8 +29,8 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
             f"{source}: {curve.stable_count} stable directions of the first and {curve.unstable_count} unstable ones "
             f"of the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"
         )
-    z = curve.join(piece, ends, q)
-    sizes = orbits.state_sizes(piece)
+    z = curve.join(arc, ends, q)
+    sizes = orbits.state_sizes(arc)
     first, second = problem.widths(z, UNBOUNDED)
     own = natural_width(curve, z)
     first = first if first > ZERO * own else own
@@ -40,7 +40,7 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         scale = problem.scale_for(profile.h, sizes, first, second)
         solved = problem.at_held(z, scale)
         if solved is None and curve.node:  # folds that the first parameter does not move
-            solved = problem.at_unknown(-1, z, piece.parameter, scale)
+            solved = problem.at_unknown(-1, z, arc.parameter, scale)
         if solved is None:
             raise InputError(f"{source}: Newton's method for the connecting orbit, whole, did not converge")
         z, fitting = solved, fits(curve, solved, sizes)

@@ -23,7 +23,7 @@ from contin.machine.elementary import FUNCTIONS, addresses, symbol
 from contin.machine.engine import ENGINE
 from contin.machine.folder import folder
 from contin.machine.freed import keep_freed
-from contin.machine.objects import Piece
+from contin.machine.objects import MachineCode
 
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
 _DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
@@ -56,20 +56,20 @@ def callable_of(declaration: Declaration) -> Callable[..., Any]:
 
 def _load(declaration: Declaration) -> None:
     wanted = {d.name: d for d in _called_by_symbol(declaration) if d.name not in _loaded}
-    pieces = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
-    missing = {n: d for n, d in wanted.items() if n not in pieces}
+    machine_codes = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
+    missing = {n: d for n, d in wanted.items() if n not in machine_codes}
     if missing:
         together = {d.name: d for d in _companions(declaration)} | missing  # needed soon, and begun once is cheaper
         made = provide({n: d for n, d in together.items() if n not in _loaded})
-        pieces |= {piece.name: piece for piece in made if piece.name in wanted}
+        machine_codes |= {machine_code.name: machine_code for machine_code in made if machine_code.name in wanted}
     global _ready
     if not _ready:
         ENGINE.add_text(memory.TEXT, optimise=False)
         keep_freed()
         _ready = True
-    _define(pieces.values())
-    ENGINE.add_objects([pieces[name].code for name in sorted(pieces)])
-    _loaded.update(pieces)
+    _define(machine_codes.values())
+    ENGINE.add_objects([machine_codes[name].code for name in sorted(machine_codes)])
+    _loaded.update(machine_codes)
 
 
 def _called_by_symbol(declaration: Declaration) -> Iterable[Declaration]:
@@ -107,41 +107,48 @@ def file_name(declaration: Declaration) -> str:
     return f"{declaration.name}-{sources.key(module_of(declaration), target.name())}"
 
 
-def known(declaration: Declaration) -> Piece | None:
+def known(declaration: Declaration) -> MachineCode | None:
     """Its machine code, if the wheel or the cache has it."""
     return kept.find(declaration.name, sources.text_key(module_of(declaration)), file_name(declaration))
 
 
-def complete(wanted: dict[str, Declaration]) -> list[tuple[Piece, ...]]:
+def complete(wanted: dict[str, Declaration]) -> list[tuple[MachineCode, ...]]:
     """Machine code of all these kernels, for this process's target; what is missing is made."""
     have = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
     made = provide({n: d for n, d in wanted.items() if n not in have})
-    return [(piece,) for piece in (*have.values(), *made)]
+    return [(machine_code,) for machine_code in (*have.values(), *made)]
 
 
-def provide(wanted: dict[str, Declaration]) -> Sequence[Piece]:
+def provide(wanted: dict[str, Declaration]) -> Sequence[MachineCode]:
     """Machine code of these kernels, those that another process finishes meanwhile included."""
     from contin.kernels.pool import make  # not before: it starts processes
 
     place = folder()
     if place is None:
-        return [piece for (piece,) in make(list(wanted.values()))]
+        return [machine_code for (machine_code,) in make(list(wanted.values()))]
     others = []
     with place.building(lambda: all(known(d) is not None for d in wanted.values())):
         for name, declaration in list(wanted.items()):
-            piece = known(declaration)
-            if piece is not None:
-                others.append(piece)
+            machine_code = known(declaration)
+            if machine_code is not None:
+                others.append(machine_code)
                 del wanted[name]
         names = {d.name: file_name(d) for d in wanted.values()}
-        made = make(list(wanted.values()), lambda pieces: kept.keep(pieces[0], names[pieces[0].name]))
-    return [*others, *(piece for (piece,) in made)]
+        made = make(
+            list(wanted.values()), lambda machine_codes: kept.keep(machine_codes[0], names[machine_codes[0].name])
+        )
+    return [*others, *(machine_code for (machine_code,) in made)]
 
 
-def _define(pieces: Collection[Piece]) -> None:
-    """Elementary functions that the pieces need. LLVM ends the process where a symbol is missing: none may be."""
-    have = {f"contin.{name}" for name in _loaded} | {f"contin.{p.name}" for p in pieces} | OUTSIDE
-    needed = {symbol: piece.name for piece in pieces for symbol in piece.needs if symbol not in have}
+def _define(machine_codes: Collection[MachineCode]) -> None:
+    """Elementary functions that they need. LLVM ends the process where a symbol is missing: none may be."""
+    have = {f"contin.{name}" for name in _loaded} | {f"contin.{p.name}" for p in machine_codes} | OUTSIDE
+    needed = {
+        symbol: machine_code.name
+        for machine_code in machine_codes
+        for symbol in machine_code.needs
+        if symbol not in have
+    }
     ours = {symbol(name): name for name in FUNCTIONS}
     for wanted, name in needed.items():
         if wanted not in ours:

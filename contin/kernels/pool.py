@@ -19,7 +19,7 @@ from contin.errors import ContinError
 from contin.kernels.callees import text_length
 from contin.kernels.mode import Declaration
 from contin.machine import objects, progress, target
-from contin.machine.objects import Piece
+from contin.machine.objects import MachineCode
 
 ENVIRONMENT: Final = {
     "NUMBA_CPU_NAME": "generic",  # nothing that this machine has may show in the code
@@ -36,7 +36,7 @@ START: Final = "import sys; sys.path.insert(0, sys.argv[1]); from contin.kernels
 
 PATIENCE: Final = 10.0  # seconds in which a process ends that has nothing more to do
 
-Pieces = tuple[Piece, ...]
+MachineCodes = tuple[MachineCode, ...]
 """Machine code of one kernel, for one target or several."""
 
 
@@ -45,8 +45,8 @@ class KernelError(ContinError):
 
 
 def make(
-    wanted: Sequence[Declaration], keep: Callable[[Pieces], object] = lambda _: None, labels: Sequence[str] = ()
-) -> list[Pieces]:
+    wanted: Sequence[Declaration], keep: Callable[[MachineCodes], object] = lambda _: None, labels: Sequence[str] = ()
+) -> list[MachineCodes]:
     """Machine code of these kernels, each for this process's target or for `labels`; `keep` is told of each at once."""
     if not wanted:
         return []
@@ -56,7 +56,7 @@ def make(
             "installed: pip install numba"
         )
     left = deque(sorted(wanted, key=text_length, reverse=True))
-    done: list[Pieces] = []
+    done: list[MachineCodes] = []
     failed: list[str] = []
     lock = threading.Lock()
     total = len(left)
@@ -69,10 +69,10 @@ def make(
                     if not left:
                         return
                     declaration = left.popleft()
-                pieces = worker.make(declaration.name)
+                machine_codes = worker.make(declaration.name)
                 with lock:
-                    done.append(pieces)
-                    keep(pieces)
+                    done.append(machine_codes)
+                    keep(machine_codes)
                     progress.tell(len(done), total, declaration.name)
         except KernelError as error:
             failed.append(str(error))
@@ -103,12 +103,14 @@ def started(labels: Sequence[str], count: int) -> list[Worker]:
     if not hasattr(os, "fork"):
         return [Worker(process := Process(labels), process.stdin, process.stdout) for _ in range(count)]
     pipes = [(os.pipe(), os.pipe()) for _ in range(count)]
-    theirs = [(names[0], pieces[1]) for names, pieces in pipes]
+    theirs = [(names[0], results[1]) for names, results in pipes]
     process = Process(labels, theirs)
     for pair in theirs:
         for end in pair:
             os.close(end)
-    return [Worker(process, os.fdopen(names[1], "wb"), os.fdopen(pieces[0], "rb")) for names, pieces in pipes]
+    return [
+        Worker(process, os.fdopen(names[1], "wb"), os.fdopen(results[0], "rb")) for names, results in pipes
+    ]
 
 
 class Process:
@@ -116,7 +118,7 @@ class Process:
 
     def __init__(self, labels: Sequence[str], pipes: Sequence[tuple[int, int]] = ()) -> None:
         root = str(Path(__file__).parents[2])
-        pairs = ",".join(f"{names}:{pieces}" for names, pieces in pipes) or "standard"
+        pairs = ",".join(f"{names}:{results}" for names, results in pipes) or "standard"
         # -P: no file in the folder where the user happens to be is taken for a module
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", START, root, pairs, *labels],
@@ -159,10 +161,10 @@ class Worker:
     first.
     """
 
-    def __init__(self, process: Process, names: Any, pieces: Any) -> None:
-        self.process, self.names, self.pieces = process, names, pieces
+    def __init__(self, process: Process, names: Any, results: Any) -> None:
+        self.process, self.names, self.results = process, names, results
 
-    def make(self, name: str) -> Pieces:
+    def make(self, name: str) -> MachineCodes:
         """The machine code of one kernel for every target."""
         try:
             self.names.write(name.encode() + b"\n")
@@ -171,11 +173,11 @@ class Worker:
             self._fail(name)
         return tuple(self._read() or self._fail(name) for _ in self.process.labels)
 
-    def _read(self) -> Piece | None:
-        length = self.pieces.read(8)
+    def _read(self) -> MachineCode | None:
+        length = self.results.read(8)
         if len(length) < 8:
             return None
-        return objects.from_bytes(self.pieces.read(struct.unpack("<Q", length)[0]))
+        return objects.from_bytes(self.results.read(struct.unpack("<Q", length)[0]))
 
     def _fail(self, name: str) -> NoReturn:
         raise KernelError(f"the kernel {name} could not be compiled: {self.process.told() or 'no reason given'}")

@@ -1,7 +1,7 @@
 """A tape as LLVM assembly text: one exported function, its body split where it is long.
 
 Text is written directly, because building it through llvmlite's IR objects takes longer than compiling it. A long body
-becomes functions of `PIECE` statements that hand values on through a scratch array; compile time stays linear in the
+becomes functions of `PART` statements that hand values on through a scratch array; compile time stays linear in the
 length. The scratch array belongs to the call (stack, or heap where large), so calls may overlap between threads.
 """
 
@@ -16,7 +16,7 @@ from typing import Final
 from contin.lowering.tape import Statement, operands
 from contin.machine.elementary import symbol
 
-PIECE: Final = 500  # statements in one function of a split body
+PART: Final = 500  # statements in one function of a split body
 UNSPLIT: Final = 1000  # bodies up to this length stay in one function
 STACK_SCRATCH: Final = 4096  # scratch values kept on the stack (32 KB); more go to the heap
 
@@ -84,7 +84,7 @@ class Routine:
 
 
 def routine_text(routine: Routine) -> str:
-    """Definition of the exported function and of its pieces."""
+    """Definition of the exported function and of its parts."""
     arguments = ", ".join(f"ptr %a{k}" for k in range(routine.arrays))
     clear = "".join(
         f"  call void @llvm.memset.p0.i64(ptr %a{array}, i8 0, i64 {8 * count}, i1 false)\n"
@@ -94,7 +94,7 @@ def routine_text(routine: Routine) -> str:
     for store in routine.stores:
         after.setdefault(store.statement, []).append(store)
     if not routine.is_long:
-        body = _Piece({})
+        body = _Part({})
         body.write(routine.statements, range(len(routine.statements)), after)
         lines = "".join(body.lines)
         return f"define void @{routine.name}({arguments}) #1 {{\n{clear}{lines}  ret void\n}}\n"
@@ -102,30 +102,30 @@ def routine_text(routine: Routine) -> str:
 
 
 def _split_text(routine: Routine, arguments: str, clear: str, after: dict[int, list[Store]]) -> str:
-    pieces = _cut(routine.statements)
-    slots, size = _scratch_slots(routine.statements, pieces)
-    parts, calls = [], []
-    for number, piece in enumerate(pieces):
-        writer = _Piece(slots)
-        writer.write(routine.statements, piece, after)
+    parts = _cut(routine.statements)
+    slots, size = _scratch_slots(routine.statements, parts)
+    definitions, calls = [], []
+    for number, part in enumerate(parts):
+        writer = _Part(slots)
+        writer.write(routine.statements, part, after)
         name = f"{routine.name}.{number}"
         lines = "".join(writer.lines)
-        parts.append(f"define internal void @{name}({arguments}, ptr %scratch) #2 {{\n{lines}  ret void\n}}\n")
+        definitions.append(f"define internal void @{name}({arguments}, ptr %scratch) #2 {{\n{lines}  ret void\n}}\n")
         calls.append(f"  call void @{name}({arguments}, ptr %scratch)\n")
     if size <= STACK_SCRATCH:
         begin, end = f"  %scratch = alloca [{max(size, 1)} x double], align 16\n", ""
     else:
         begin, end = f"  %scratch = call ptr @malloc(i64 {8 * size})\n", "  call void @free(ptr %scratch)\n"
     main = f"define void @{routine.name}({arguments}) #1 {{\n{begin}{clear}{''.join(calls)}{end}  ret void\n}}\n"
-    return "".join(parts) + main
+    return "".join(definitions) + main
 
 
 def _cut(statements: Sequence[Statement]) -> list[range]:
-    """Consecutive ranges of about `PIECE` statements that compute something (constants and loads are free)."""
+    """Consecutive ranges of about `PART` statements that compute something (constants and loads are free)."""
     cuts, count = [0], 0
     for index, statement in enumerate(statements):
         count += statement[0] not in ("const", "load")
-        if count == PIECE:
+        if count == PART:
             cuts.append(index + 1)
             count = 0
     if cuts[-1] != len(statements):
@@ -133,20 +133,20 @@ def _cut(statements: Sequence[Statement]) -> list[range]:
     return [range(a, b) for a, b in itertools.pairwise(cuts)]
 
 
-def _scratch_slots(statements: Sequence[Statement], pieces: Sequence[range]) -> tuple[dict[int, int], int]:
-    """Scratch slot of each value that a later piece reads; a slot is free again after its last reader's piece."""
-    piece_of = [number for number, piece in enumerate(pieces) for _ in piece]
+def _scratch_slots(statements: Sequence[Statement], parts: Sequence[range]) -> tuple[dict[int, int], int]:
+    """Scratch slot of each value that a later part reads; a slot is free again after its last reader's part."""
+    part_of = [number for number, part in enumerate(parts) for _ in part]
     last: dict[int, int] = {}
     for index, statement in enumerate(statements):
         for operand in operands(statement):
-            if piece_of[operand] != piece_of[index] and statements[operand][0] not in ("const", "load"):
-                last[operand] = piece_of[index]
-    released: list[list[int]] = [[] for _ in pieces]
+            if part_of[operand] != part_of[index] and statements[operand][0] not in ("const", "load"):
+                last[operand] = part_of[index]
+    released: list[list[int]] = [[] for _ in parts]
     slots: dict[int, int] = {}
     free: list[int] = []
     size = 0
-    for number, piece in enumerate(pieces):
-        for value in piece:
+    for number, part in enumerate(parts):
+        for value in part:
             if value in last:
                 if free:
                     slots[value] = free.pop()
@@ -158,7 +158,7 @@ def _scratch_slots(statements: Sequence[Statement], pieces: Sequence[range]) -> 
 
 
 @dataclass
-class _Piece:
+class _Part:
     """Text of one straight run of statements; values from outside are loaded on first use."""
 
     slots: dict[int, int]
@@ -167,9 +167,9 @@ class _Piece:
     truths: set[int] = field(default_factory=set)  # values held as i1
     temporaries: int = 0
 
-    def write(self, statements: Sequence[Statement], piece: range, after: dict[int, list[Store]]) -> None:
-        self.statements, self.piece = statements, piece
-        for index in piece:
+    def write(self, statements: Sequence[Statement], part: range, after: dict[int, list[Store]]) -> None:
+        self.statements, self.part = statements, part
+        for index in part:
             if index not in self.names:
                 self._define(index)
             for store in after.get(index, ()):
@@ -212,10 +212,10 @@ class _Piece:
         self.lines.append(f"  {name} = {text}\n")
 
     def _sine_and_cosine(self, index: int, given: str) -> bool:
-        """Both in one call where the next statement of this piece is the other one of the same angle."""
+        """Both in one call where the next statement of this part is the other one of the same angle."""
         name, angle = self.statements[index][1:]
         other = ("call", "cos" if name == "sin" else "sin", angle)
-        if index + 1 not in self.piece or self.statements[index + 1] != other:
+        if index + 1 not in self.part or self.statements[index + 1] != other:
             return False
         both = self._line(f"call {_BOTH} @{_symbol('sincos')}({given})")
         for place, wanted in enumerate(("sin", "cos")):

@@ -15,7 +15,7 @@ from typing import Final
 
 from contin.machine import objects, progress, target
 from contin.machine.folder import COMPILED, folder
-from contin.machine.objects import Piece
+from contin.machine.objects import MachineCode
 
 MOST: Final = 300  # object files in memory
 MOST_FILES: Final = 10_000  # 75 MB; the tests alone make 3,000, and the first are the first to go
@@ -55,18 +55,18 @@ def _read(key: str) -> bytes | None:
     data = place.read(key[:32]) if place else None
     if place is None or data is None:
         return None
-    piece = objects.from_bytes(data)
-    if piece is None or piece.key != key:
+    machine_code = objects.from_bytes(data)
+    if machine_code is None or machine_code.key != key:
         progress.note(f"{place.path / key[:32]} was damaged: it is made anew")
         place.remove(key[:32])
         return None
-    return piece.code
+    return machine_code.code
 
 
 def _keep(key: str, code: bytes) -> None:
     global _written
     place = folder(COMPILED)
-    if place is not None and place.write(key[:32], objects.to_bytes(Piece("model", key, (), code))):
+    if place is not None and place.write(key[:32], objects.to_bytes(MachineCode("model", key, (), code))):
         _written += 1
         if (_written - 1) % EVERY == 0:
             place.thin_out(MOST_FILES)

@@ -1,4 +1,4 @@
-"""Machine code in files: what a piece is called, what it needs, and a checksum over all of it.
+"""Machine code in files: what it is called, what it needs, and a checksum over all of it.
 
     8 bytes   contin's mark and the version of this layout
     32 bytes  SHA-256 of what follows
@@ -22,7 +22,7 @@ _BEGIN: Final = len(MARK) + 32
 
 
 @dataclass(frozen=True)
-class Piece:
+class MachineCode:
     """Machine code of one kernel."""
 
     name: str
@@ -31,18 +31,18 @@ class Piece:
     code: bytes
 
 
-def to_bytes(piece: Piece) -> bytes:
-    """The piece as a file holds it."""
-    head = json.dumps({"name": piece.name, "key": piece.key, "needs": list(piece.needs)}).encode()
-    body = struct.pack("<I", len(head)) + head + piece.code
+def to_bytes(machine_code: MachineCode) -> bytes:
+    """The machine code as a file holds it."""
+    head = json.dumps({"name": machine_code.name, "key": machine_code.key, "needs": list(machine_code.needs)}).encode()
+    body = struct.pack("<I", len(head)) + head + machine_code.code
     return MARK + hashlib.sha256(body).digest() + body
 
 
-def from_bytes(data: bytes) -> Piece | None:
-    """The piece in a file's bytes; None where they are cut, changed or something else."""
+def from_bytes(data: bytes) -> MachineCode | None:
+    """The machine code in a file's bytes; None where they are cut, changed or something else."""
     body = data[_BEGIN:]
     if data[: len(MARK)] != MARK or len(body) < 4 or hashlib.sha256(body).digest() != data[len(MARK) : _BEGIN]:
         return None
     (length,) = struct.unpack_from("<I", body)
     head = json.loads(body[4 : 4 + length])
-    return Piece(head["name"], head["key"], tuple(head["needs"]), body[4 + length :])
+    return MachineCode(head["name"], head["key"], tuple(head["needs"]), body[4 + length :])

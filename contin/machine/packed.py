@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Final
 
 from contin.machine import objects, progress, target
-from contin.machine.objects import Piece
+from contin.machine.objects import MachineCode
 
 FOLDER: Final = Path(__file__).parents[1] / "_kernels"
 
 
-def piece(name: str, text_key: str) -> Piece | None:
+def find(name: str, text_key: str) -> MachineCode | None:
     """The machine code of a kernel with this text; None where the wheel has none, or none that is whole."""
     archive = _archive()
     if archive is None:

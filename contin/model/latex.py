@@ -9,7 +9,16 @@ from typing import Final
 
 from contin.model.binding import AND, ATOM, COMPARE, NOT, OR, POWER, PRODUCT, SIGN, SUM, TERNARY
 from contin.model.expression import COMPARISONS, Expression, Number, number, numeric_value
-from contin.model.printing import Alphabet, Piece, finite_decimal, is_division, joined, leading_number, summed, written
+from contin.model.printing import (
+    Alphabet,
+    Fragment,
+    finite_decimal,
+    is_division,
+    joined,
+    leading_number,
+    summed,
+    written,
+)
 
 _GREEK: Final = frozenset(
     "alpha beta gamma delta epsilon varepsilon zeta eta theta vartheta iota kappa lambda mu nu xi pi rho sigma tau "
@@ -71,7 +80,7 @@ def _number(value: Number) -> tuple[int, str]:
     return level, sign + text.replace("inf", r"\infty")
 
 
-def _parts(node: Expression) -> tuple[int, list[Piece]]:
+def _parts(node: Expression) -> tuple[int, list[Fragment]]:
     op, args = node.op, node.args
     if op == "number":
         level, text = _number(numeric_value(node))
@@ -99,7 +108,7 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
     return _call(node)
 
 
-def _call(node: Expression) -> tuple[int, list[Piece]]:
+def _call(node: Expression) -> tuple[int, list[Fragment]]:
     op, args = node.op, node.args
     if op == "sqrt":
         return ATOM, [r"\sqrt{", (args[0], TERNARY), "}"]
@@ -119,8 +128,8 @@ def _call(node: Expression) -> tuple[int, list[Piece]]:
     return ATOM, [head, r"\left(", *joined(args, ", ", TERNARY), r"\right)"]
 
 
-def _cases(node: Expression) -> list[Piece]:
-    parts: list[Piece] = [r"\begin{cases} "]
+def _cases(node: Expression) -> list[Fragment]:
+    parts: list[Fragment] = [r"\begin{cases} "]
     while node.op == "if":
         condition, then, otherwise = node.args
         parts += [(then, TERNARY), r" & \text{if } ", (condition, TERNARY), r" \\ "]
@@ -128,7 +137,7 @@ def _cases(node: Expression) -> list[Piece]:
     return [*parts, (node, TERNARY), r" & \text{otherwise} \end{cases}"]
 
 
-def _product(node: Expression) -> tuple[int, list[Piece]]:
+def _product(node: Expression) -> tuple[int, list[Fragment]]:
     """Numerators over denominators; a single sum in the numerator or denominator needs no parentheses."""
     factors = node.args if node.op == "mul" else (node,)
     coefficient = leading_number(node)
@@ -156,12 +165,12 @@ def _inverse(node: Expression) -> Expression:
     return base ** number(-numeric_value(exponent))
 
 
-def _alone(factors: list[Expression]) -> list[Piece]:
+def _alone(factors: list[Expression]) -> list[Fragment]:
     return [(factors[0], TERNARY)] if len(factors) == 1 else _factors(factors)
 
 
-def _factors(factors: list[Expression]) -> list[Piece]:
-    parts: list[Piece] = []
+def _factors(factors: list[Expression]) -> list[Fragment]:
+    parts: list[Fragment] = []
     for i, factor in enumerate(factors):
         if i:
             parts.append(r" \cdot " if factor.op == "number" else " ")
@@ -169,7 +178,7 @@ def _factors(factors: list[Expression]) -> list[Piece]:
     return parts
 
 
-def _power(base: Expression, exponent: Expression) -> tuple[int, list[Piece]]:
+def _power(base: Expression, exponent: Expression) -> tuple[int, list[Fragment]]:
     if exponent.op == "number" and numeric_value(exponent) == Fraction(1, 2):
         return ATOM, [r"\sqrt{", (base, TERNARY), "}"]
     return POWER, [(base, ATOM), "^{", (exponent, TERNARY), "}"]

@@ -1,7 +1,7 @@
 """Expressions -> text that `parse` reads back as the identical node.
 
 Parentheses stand only where the grammar needs them; a negative integer power becomes a division and a negative term a
-subtraction. The text is emitted piece by piece from an explicit stack: O(length of the text), no recursion.
+subtraction. The text is emitted bit by bit from an explicit stack: O(length of the text), no recursion.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from contin.model.folding import SHORT_DIGITS, significant_digits
 
 MAX_TEXT: Final = 20_000_000  # characters; shared parts are written out wherever they occur
 
-Piece = Union[str, tuple[Expression, int]]  # text, or a node with the weakest level it may have without parentheses
+Fragment = Union[str, tuple[Expression, int]]  # text, or a node with the weakest level it may have without parentheses
 
 
 @dataclass(frozen=True)
 class Alphabet:
     """How formulas are written: a node's level and parts, a name, and what stands around a weaker part."""
 
-    parts: Callable[[Expression], tuple[int, Sequence[Piece]]]
+    parts: Callable[[Expression], tuple[int, Sequence[Fragment]]]
     name: Callable[[str], str]
     brackets: tuple[str, str]
 
@@ -37,27 +37,27 @@ def to_text(expression: Expression, names: Mapping[Expression, str] | None = Non
 
 def written(expression: Expression, names: Mapping[Expression, str] | None, alphabet: Alphabet) -> str:
     """The formula in an alphabet; nodes that are keys of `names` are written by that name."""
-    pieces: list[str] = []
+    texts: list[str] = []
     length = 0
-    stack: list[Piece] = [(expression, TERNARY)]
+    stack: list[Fragment] = [(expression, TERNARY)]
     while stack:
-        piece = stack.pop()
-        if isinstance(piece, str):
-            pieces.append(piece)
-            length += len(piece)
+        fragment = stack.pop()
+        if isinstance(fragment, str):
+            texts.append(fragment)
+            length += len(fragment)
             if length > MAX_TEXT:
                 raise InputError(f"the formula is longer than {MAX_TEXT} characters when it is written out")
             continue
-        node, weakest = piece
+        node, weakest = fragment
         if names and node in names:
-            pieces.append(alphabet.name(names[node]))
+            texts.append(alphabet.name(names[node]))
             continue
         level, parts = alphabet.parts(node)
         if level < weakest:
             opening, closing = alphabet.brackets
             parts = [opening, *parts, closing]
         stack.extend(reversed(parts))
-    return "".join(pieces)
+    return "".join(texts)
 
 
 def number_text(value: Number) -> tuple[int, str]:
@@ -116,7 +116,7 @@ def _negated(term: Expression) -> Expression:
     return -term
 
 
-def _parts(node: Expression) -> tuple[int, list[Piece]]:
+def _parts(node: Expression) -> tuple[int, list[Fragment]]:
     op, args = node.op, node.args
     if op == "number":
         level, text = number_text(numeric_value(node))
@@ -145,9 +145,9 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
     return ATOM, [f"{op}(", *joined(_arguments(node), ", ", TERNARY), ")"]
 
 
-def joined(nodes: Sequence[Expression], separator: str, weakest: int) -> list[Piece]:
+def joined(nodes: Sequence[Expression], separator: str, weakest: int) -> list[Fragment]:
     """Nodes with a separator between them."""
-    parts: list[Piece] = [(nodes[0], weakest)]
+    parts: list[Fragment] = [(nodes[0], weakest)]
     for node in nodes[1:]:
         parts += [separator, (node, weakest)]
     return parts
@@ -162,9 +162,9 @@ def _arguments(node: Expression) -> list[Expression]:
     return [*node.args, *reversed(arguments)]
 
 
-def summed(node: Expression) -> list[Piece]:
+def summed(node: Expression) -> list[Fragment]:
     """A sum with its signs."""
-    parts: list[Piece] = []
+    parts: list[Fragment] = []
     for negative, term in signed_terms(node):
         if parts:
             parts.append(" - " if negative else " + ")
@@ -174,10 +174,10 @@ def summed(node: Expression) -> list[Piece]:
     return parts
 
 
-def _product(node: Expression) -> list[Piece]:
+def _product(node: Expression) -> list[Fragment]:
     coefficient = leading_number(node)
     factors = node.args[1:] if node.args[0].op == "number" else node.args
-    parts: list[Piece] = ["-"] if coefficient < 0 else []
+    parts: list[Fragment] = ["-"] if coefficient < 0 else []
     lead, divisor = _split(-coefficient if coefficient < 0 else coefficient)
     if lead or is_division(factors[0]):
         parts.append(lead or "1")
@@ -203,7 +203,7 @@ def _split(value: Number) -> tuple[str, str]:
     return ("" if numerator == 1 else str(numerator)), str(denominator)
 
 
-def _factor(node: Expression) -> list[Piece]:
+def _factor(node: Expression) -> list[Fragment]:
     """A factor, with its '/' where it divides."""
     if not is_division(node):
         return [(node, POWER)]
@@ -214,5 +214,5 @@ def _factor(node: Expression) -> list[Piece]:
     return ["/", *_power(base, number(positive))]
 
 
-def _power(base: Expression, exponent: Expression) -> list[Piece]:
+def _power(base: Expression, exponent: Expression) -> list[Fragment]:
     return [(base, ATOM), "^", (exponent, SIGN)]

@@ -17,7 +17,7 @@ from scipy.sparse import csc_matrix
 from contin.abi import Array, Vector
 from contin.errors import InputError
 from contin.model.expression import Expression
-from contin.pde.piece import Piece, Values
+from contin.pde.local_formula import LocalFormula, Values
 from contin.pde.protocol import Equations, check_full
 from contin.pde.slots import Slot
 
@@ -32,7 +32,7 @@ class Conserving:
         self.unknowns, self.grid, self.slots = free.unknowns, free.grid, free.slots
         check_full(self, "conserved")
         self._rows = {field: self._mean(field) for field in means}
-        self._values = {field: Piece(formula, {}, {}, 1) for field, formula in means.items()}
+        self._values = {field: LocalFormula(formula, {}, {}, 1) for field, formula in means.items()}
         self._check(p)
 
     def _mean(self, field: str) -> Array:

@@ -1,8 +1,8 @@
 """u' = F(u, p) of a discretised problem: value, sparse Jacobian and multilinear forms, all exact, by arrays.
 
-    b = B(p)                    values that conditions give
-    g = G(s(u, b), p)           slopes that conditions give, of fields' values beside them
-    F_f = f(s(u, b, g), p)      every equation at the nodes where its field is unknown
+b = B(p)                    values that conditions give
+g = G(s(u, b), p)           slopes that conditions give, of fields' values beside them
+F_f = f(s(u, b, g), p)      every equation at the nodes where its field is unknown
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from contin.abi import Array, Vector
 from contin.model.expression import Expression
-from contin.pde.piece import NOTHING, Jet, Piece, Values, subsets
+from contin.pde.local_formula import NOTHING, Jet, LocalFormula, Values, subsets
 from contin.pde.slots import Slots
 from contin.pde.unknowns import Data, LinearMap, Unknowns
 
@@ -29,9 +29,9 @@ class Discretised:
         self.unknowns, self.slots, self.grid = unknowns, slots, unknowns.grid
         self.n = unknowns.n
         self._maps: dict[str, LinearMap] = {}
-        self._values = [self._piece(d.right, d.nodes) for d in unknowns.values]
-        self._slopes = [self._piece(d.right, d.nodes) for d in unknowns.slopes]
-        self.pieces = {f: self._piece(equations[f], unknowns.free[f]) for f in unknowns.fields}
+        self._values = [self._local(d.right, d.nodes) for d in unknowns.values]
+        self._slopes = [self._local(d.right, d.nodes) for d in unknowns.slopes]
+        self.equations = {f: self._local(equations[f], unknowns.free[f]) for f in unknowns.fields}
 
     def map_of(self, name: str) -> LinearMap:
         """The map of a slot at all nodes."""
@@ -41,41 +41,41 @@ class Discretised:
             self._maps[name] = self.unknowns.map_of(slot)
         return self._maps[name]
 
-    def _piece(self, formula: Expression, nodes: NDArray[np.intp]) -> Piece:
+    def _local(self, formula: Expression, nodes: NDArray[np.intp]) -> LocalFormula:
         maps = {name: self.map_of(name).rows(nodes) for name in self.slots.used([formula])}
         coordinates = {name: x[nodes] for name, x in self.grid.coordinates.items()}
-        return Piece(formula, maps, coordinates, len(nodes))
+        return LocalFormula(formula, maps, coordinates, len(nodes))
 
-    def everywhere(self, formula: Expression) -> Piece:
+    def everywhere(self, formula: Expression) -> LocalFormula:
         """A formula at all nodes, for what is observed."""
-        return self._piece(formula, np.arange(self.grid.size))
+        return self._local(formula, np.arange(self.grid.size))
 
     # values -----------------------------------------------------------------------------------------------------------
 
     def boundary(self, u: Vector, p: Values) -> tuple[Vector, Vector]:
         """b and g."""
-        b = _across(_joined([piece.value([], p) for piece in self._values]), u)
-        parts = [_spread(piece.value(piece.slot_values(u, b, None), p), u) for piece in self._slopes]
+        b = _across(_joined([local.value([], p) for local in self._values]), u)
+        parts = [_spread(local.value(local.slot_values(u, b, None), p), u) for local in self._slopes]
         return b, _joined(parts)
 
-    def slot_values(self, piece: Piece, u: Vector, p: Values) -> list[Vector]:
-        """Each slot of a piece."""
+    def slot_values(self, local: LocalFormula, u: Vector, p: Values) -> list[Vector]:
+        """Each slot of a formula."""
         b, g = self.boundary(u, p)
-        return piece.slot_values(u, b, g)
+        return local.slot_values(u, b, g)
 
     def value(self, u: Vector, p: Values) -> Vector:
         """F (n,), real or complex; (n, K) of K states u (n, K)."""
         b, g = self.boundary(u, p)
         out = np.empty((self.n, *u.shape[1:]), np.result_type(u, float, *p.values()))
-        for field, piece in self.pieces.items():
-            out[self.unknowns.places[field]] = _spread(piece.value(piece.slot_values(u, b, g), p), u)
+        for field, local in self.equations.items():
+            out[self.unknowns.places[field]] = _spread(local.value(local.slot_values(u, b, g), p), u)
         return out
 
     # Jacobian ---------------------------------------------------------------------------------------------------------
 
     @cached_property
     def _assembly(self) -> _Assembly:
-        return _Assembly(self.n, list(self.pieces.items()), self._slopes, self.unknowns)
+        return _Assembly(self.n, list(self.equations.items()), self._slopes, self.unknowns)
 
     def jacobian(self, u: Array, p: Values) -> csc_matrix:
         """dF/du, exact, always with the same pattern."""
@@ -84,7 +84,7 @@ class Discretised:
     def jacobians(self, u: Array, p: Values) -> list[csc_matrix]:
         """dF/du at K states u (n, K)."""
         b, g = self.boundary(u, p)
-        outer = [_spread(a, u) for q in self.pieces.values() for a in q.slopes(q.slot_values(u, b, g), p)]
+        outer = [_spread(a, u) for q in self.equations.values() for a in q.slopes(q.slot_values(u, b, g), p)]
         inner = [_spread(a, u) for q in self._slopes for a in q.slopes(q.slot_values(u, b, None), p)]
         both = _joined(outer), _joined(inner)
         return [self._assembly.matrix(*(x[:, k] if x.ndim == 2 else x for x in both)) for k in range(u.shape[1])]
@@ -95,12 +95,12 @@ class Discretised:
         rates = [rate for _, rate in directions]
         jet_u: Jet = {NOTHING: u, **{frozenset({k}): v for k, (v, _) in enumerate(directions)}}
         b = {s: _across(x, u) for s, x in _stacked([q.jet([], p, rates, whole) for q in self._values], whole).items()}
-        inner = [piece.jet(_slot_jets(piece, jet_u, b, None), p, rates, whole) for piece in self._slopes]
+        inner = [local.jet(_slot_jets(local, jet_u, b, None), p, rates, whole) for local in self._slopes]
         g = _stacked([{s: _spread(x, u) for s, x in jet.items()} for jet in inner], whole)
         rated = [x for rate in rates for x in rate.values()]
         out = np.empty(u.shape, np.result_type(u, float, *p.values(), *rated, *(v for v, _ in directions)))
-        for field, piece in self.pieces.items():
-            jet = piece.jet(_slot_jets(piece, jet_u, b, g), p, rates, whole)
+        for field, local in self.equations.items():
+            jet = local.jet(_slot_jets(local, jet_u, b, g), p, rates, whole)
             out[self.unknowns.places[field]] = _spread(jet[whole], u)
         return out
 
@@ -128,9 +128,9 @@ def _stacked(jets: Sequence[Jet], whole: frozenset[int]) -> Jet:
     return {s: _joined([jet[s] for jet in jets]) for s in [NOTHING, *subsets(whole)]}
 
 
-def _slot_jets(piece: Piece, u: Jet, b: Jet, g: Jet | None) -> list[Jet]:
+def _slot_jets(local: LocalFormula, u: Jet, b: Jet, g: Jet | None) -> list[Jet]:
     found = []
-    for m in piece.maps:
+    for m in local.maps:
         found.append({s: m(u.get(s), vector, None if g is None else g[s]) for s, vector in b.items()})
     return found
 
@@ -142,15 +142,19 @@ class _Assembly:
     """
 
     def __init__(
-        self, n: int, pieces: Sequence[tuple[str, Piece]], conditions: Sequence[Piece], unknowns: Unknowns
+        self,
+        n: int,
+        equations: Sequence[tuple[str, LocalFormula]],
+        conditions: Sequence[LocalFormula],
+        unknowns: Unknowns,
     ) -> None:
         none = np.empty(0, np.intp)
         rows, columns, factors, outer, inner = [none], [none], [np.empty(0)], [none], [none]
         chain = _rows_of_slopes(conditions, unknowns.slopes, n)
         first = 0
-        for field, piece in pieces:
+        for field, local in equations:
             place = unknowns.places[field]
-            for m in piece.maps:
+            for m in local.maps:
                 S = m.S.tocoo()
                 parts = [(S.row, S.col, S.data, np.full(S.nnz, -1))]
                 if m.G.nnz and chain is not None:
@@ -161,7 +165,7 @@ class _Assembly:
                     factors.append(factor)
                     outer.append(first + row)
                     inner.append(second)
-                first += piece.size
+                first += local.size
         self._factor, self._outer, self._inner = (np.concatenate(x) for x in (factors, outer, inner))
         key = np.concatenate(columns).astype(np.int64) * n + np.concatenate(rows)
         kept, self._entry = np.unique(key, return_inverse=True)
@@ -177,17 +181,17 @@ class _Assembly:
 
 
 def _rows_of_slopes(
-    conditions: Sequence[Piece], data: Sequence[Data], n: int
+    conditions: Sequence[LocalFormula], data: Sequence[Data], n: int
 ) -> tuple[csr_matrix, NDArray[np.intp]] | None:
     """Entries of dg/du by rows: for every slot of every condition a copy of S; and the number of each row's slope."""
     blocks: list[Any] = []
     owners, numbers, first = [], [], 0
-    for piece, d in zip(conditions, data, strict=True):
-        for m in piece.maps:
+    for local, d in zip(conditions, data, strict=True):
+        for m in local.maps:
             blocks.append(m.S)
             owners.append(np.arange(d.at.start, d.at.stop))
-            numbers.append(first + np.arange(piece.size))
-            first += piece.size
+            numbers.append(first + np.arange(local.size))
+            first += local.size
     if not blocks:
         return None
     return csr_matrix(vstack(blocks)), np.stack([np.concatenate(owners), np.concatenate(numbers)])

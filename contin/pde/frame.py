@@ -18,7 +18,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from contin.abi import Array, Vector
 from contin.errors import InputError
-from contin.pde.piece import NOTHING, Jet, Values, subsets
+from contin.pde.local_formula import NOTHING, Jet, Values, subsets
 from contin.pde.protocol import Equations, check_full
 from contin.pde.slots import Slot
 

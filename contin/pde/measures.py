@@ -19,7 +19,7 @@ from contin.model.source import Path
 from contin.pde.arrays import ArrayFormulas
 from contin.pde.equations import Discretised
 from contin.pde.grid import Grid
-from contin.pde.piece import Piece, Values
+from contin.pde.local_formula import LocalFormula, Values
 from contin.pde.slots import Slots
 
 Kind = Literal["integral", "mean", "norm", "max", "min", "at"]
@@ -45,9 +45,7 @@ class MeasureReader:
         calls: dict[str, Calls] = dict(scope.calls)
         calls.update({kind: self._measure(kind) for kind in KINDS})
         calls.update({field: self._value(field) for field in slots.fields})
-        self._scope = Scope(
-            scope.names, scope.functions, scope.conditions, scope.unavailable, scope.budget, calls
-        )
+        self._scope = Scope(scope.names, scope.functions, scope.conditions, scope.unavailable, scope.budget, calls)
 
     def read(self, value: object, path: Path) -> Expression:
         """A formula that is one number."""
@@ -118,13 +116,13 @@ class Observer:
         for field, values in self.system.fields(u, p).items():
             columns[f"{field}.norm"] = float(np.sqrt(weights @ values**2 / size))
             columns[f"{field}.min"], columns[f"{field}.max"] = float(values.min()), float(values.max())
-        known = {name: self._number(m, piece, u, p) for name, (m, piece) in self._measures.items()}
+        known = {name: self._number(m, local, u, p) for name, (m, local) in self._measures.items()}
         found = self._formulas({**p, **known}, 1)
         columns.update({name: float(x[0]) for name, x in zip(self.names, found, strict=True)})
         return columns
 
-    def _number(self, measure: Measure, piece: Piece, u: Array, p: Values) -> float:
-        values = piece.value(self.system.slot_values(piece, u, p), p)
+    def _number(self, measure: Measure, local: LocalFormula, u: Array, p: Values) -> float:
+        values = local.value(self.system.slot_values(local, u, p), p)
         weights = self.system.grid.weights
         if measure.kind == "at":
             return float(self._weights[measure.at] @ values)

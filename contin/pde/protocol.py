@@ -10,7 +10,7 @@ from scipy.sparse import csc_matrix
 from contin.abi import Array, Vector
 from contin.errors import InputError
 from contin.pde.grid import Grid
-from contin.pde.piece import Values
+from contin.pde.local_formula import Values
 from contin.pde.slots import Slots
 from contin.pde.unknowns import Unknowns
 

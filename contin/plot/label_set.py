@@ -30,7 +30,7 @@ class LabelSet(Artist):
     def __init__(self, ax: Axes, panel: Panel, marks: Sequence[tuple[float, float, Mark]]) -> None:
         super().__init__()
         self._marks = [(x, y, mark) for x, y, mark in marks if math.isfinite(x + y)]
-        self._strands = [np.stack([p.x, p.y], axis=1) for curve in panel.curves for p in curve.pieces]
+        self._strands = [np.stack([p.x, p.y], axis=1) for curve in panel.curves for p in curve.portions]
         self._texts = [_annotation(ax, x, y) for x, y, _ in self._marks]
         self.set_zorder(-1.0)
         self.set_in_layout(False)

@@ -32,10 +32,10 @@ def entries(
         for curve in curves:
             original = images.get(curve.name, curve.name)
             found.setdefault(f"{original} ({curve.words})", Line2D([], [], color=colours[curve.name], linewidth=1.9))
-    pieces = [piece for curve in curves for piece in curve.pieces]
-    if any(piece.stable for piece in pieces):
+    portions = [portion for curve in curves for portion in curve.portions]
+    if any(portion.stable for portion in portions):
         found["stable"] = Line2D([], [], color="0.25", **STABLE)
-    if any(piece.stable is False for piece in pieces):
+    if any(portion.stable is False for portion in portions):
         found["unstable"] = Line2D([], [], color="0.25", **UNSTABLE)
     for type_code in dict.fromkeys(mark.type for curve in curves for *_, mark in curve.marks):
         look = style_of(type_code)

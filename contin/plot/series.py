@@ -1,4 +1,4 @@
-"""From branches (or a JSON document of them) to what a picture shows: pieces of curve by stability, and markers.
+"""From branches (or a JSON document of them) to what a picture shows: portions of curve by stability, and markers.
 
 Pure data, no drawing: matplotlib and the interactive viewer draw the same `Panel`s.
 """
@@ -51,7 +51,7 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Portion:
     """A run of one stability (None on loci, where stability is not drawn); `rows` are the branch's row numbers."""
 
     x: Array
@@ -67,7 +67,7 @@ class Curve:
     name: str
     kind: str
     locus: str | None
-    pieces: tuple[Piece, ...]
+    portions: tuple[Portion, ...]
     marks: tuple[tuple[float, float, Mark], ...]
     strands: int
     words: str  # what its points are
@@ -95,8 +95,13 @@ def from_branches(branches: Iterable[Branch], spectra: bool = False) -> list[Sou
             {**branch.columns, **spectral_columns(branch)} if spectra else branch.columns,
             tuple(
                 Mark(
-                    point.label, point.type, int(point.index), _note(point.normal_form), point.values,
-                    point.normal_form, point.eigenvalues,
+                    point.label,
+                    point.type,
+                    int(point.index),
+                    _note(point.normal_form),
+                    point.values,
+                    point.normal_form,
+                    point.eigenvalues,
                 )
                 for point in branch.points
             ),
@@ -133,8 +138,14 @@ def _from_json(branch: Record, forced: bool) -> Source:
         raise ValueError(f"branch {branch['name']!r} has columns of different lengths")
     marks = tuple(
         Mark(
-            point["label"], point["type"], int(point["index"]), _note(point["normal_form"]), point["values"],
-            point["normal_form"], _spectrum(point), point.get("orbit"),
+            point["label"],
+            point["type"],
+            int(point["index"]),
+            _note(point["normal_form"]),
+            point["values"],
+            point["normal_form"],
+            _spectrum(point),
+            point.get("orbit"),
         )
         for point in branch["points"]
     )
@@ -282,15 +293,15 @@ def _curve(source: Source, x: str, y: str, periods: Mapping[str, float]) -> Curv
     if not xs or not strands or not len(xs[0]):
         return None
     abscissa = wrapped(xs[0], periods.get(x))
-    pieces: list[Piece] = []
+    portions: list[Portion] = []
     for strand in strands:
         ordinate = wrapped(strand, periods.get(y))
         jumps = _jumps(abscissa, periods.get(x)) | _jumps(ordinate, periods.get(y))
-        pieces += _pieces(source, abscissa, ordinate, jumps)
+        portions += _portions(source, abscissa, ordinate, jumps)
     top = wrapped(strands[0], periods.get(y))
     marks = tuple((float(abscissa[mark.index]), float(top[mark.index]), mark) for mark in source.marks)
     words = branch_words(source.kind, source.locus, source.columns)
-    return Curve(source.name, source.kind, source.locus, tuple(pieces), marks, len(strands), words)
+    return Curve(source.name, source.kind, source.locus, tuple(portions), marks, len(strands), words)
 
 
 def wrapped(values: Array, period: float | None) -> Array:
@@ -310,13 +321,13 @@ def _jumps(values: Array, period: float | None) -> NDArray[np.bool_]:
     return np.abs(np.diff(values)) > period / 2
 
 
-def _pieces(source: Source, x: Array, y: Array, jumps: NDArray[np.bool_]) -> list[Piece]:
+def _portions(source: Source, x: Array, y: Array, jumps: NDArray[np.bool_]) -> list[Portion]:
     """Cut the curve where stability changes, where an angle wraps, and at gaps (NaN)."""
     if len(x) == 1:
-        return [Piece(x, y, None, np.zeros(1, np.int64))]
+        return [Portion(x, y, None, np.zeros(1, np.int64))]
     stable = segment_stability(source)
     gaps = jumps | ~np.isfinite(x[:-1] + y[:-1] + x[1:] + y[1:])
-    pieces = []
+    portions = []
     first = 0
     for row in range(1, len(x)):
         last_segment = row == len(x) - 1
@@ -324,9 +335,9 @@ def _pieces(source: Source, x: Array, y: Array, jumps: NDArray[np.bool_]) -> lis
         if cut:
             if not gaps[row - 1]:
                 rows = np.arange(first, row + 1)
-                pieces.append(Piece(x[rows], y[rows], None if stable is None else bool(stable[row - 1]), rows))
+                portions.append(Portion(x[rows], y[rows], None if stable is None else bool(stable[row - 1]), rows))
             first = row
-    return pieces
+    return portions
 
 
 def segment_stability(source: Source) -> NDArray[np.bool_] | None:

@@ -36,14 +36,14 @@ def draw_panel(ax: Axes, panel: Panel, colours: Mapping[str, str], look: Look) -
     frame = _extent(panel)
     hidden = _hidden(panel, frame)
     for curve in panel.curves:
-        for piece in curve.pieces:
-            style = PLAIN if piece.stable is None else STABLE if piece.stable else UNSTABLE
-            x, y = smooth(piece.x, piece.y, frame)
+        for portion in curve.portions:
+            style = PLAIN if portion.stable is None else STABLE if portion.stable else UNSTABLE
+            x, y = smooth(portion.x, portion.y, frame)
             if curve.name in hidden:
                 ax.plot(x, y, color=colours[curve.name], solid_capstyle="butt", zorder=1.5, **BENEATH)
             ax.plot(x, y, color=colours[curve.name], solid_capstyle="round", zorder=2.0, **style)
             if curve.kind == "orbit":
-                face = colours[curve.name] if piece.stable else "white"
+                face = colours[curve.name] if portion.stable else "white"
                 ax.plot(x, y, color=colours[curve.name], markerfacecolor=face, zorder=2.1, **CIRCLES)
         _draw_marks(ax, curve, colours[curve.name])
     _scale(ax, panel, look)
@@ -77,7 +77,7 @@ def _scale(ax: Axes, panel: Panel, look: Look) -> None:
         ax.set_yscale("log")
         _plain_numbers(ax.yaxis, look.limits.get(panel.y) or ax.get_ylim())
     elif panel.y not in look.limits:
-        curves = [(piece.x, piece.y) for curve in panel.curves for piece in curve.pieces]
+        curves = [(portion.x, portion.y) for curve in panel.curves for portion in curve.portions]
         limits = bounded(curves, np.array([y for curve in panel.curves for _, y, _ in curve.marks]))
         if limits is not None:
             ax.set_ylim(*limits)
@@ -103,10 +103,10 @@ def _plain_numbers(axis: Axis, limits: Sequence[float]) -> None:
 
 def _extent(panel: Panel) -> tuple[float, float]:
     """Width and height of all that a panel shows."""
-    pieces = [piece for curve in panel.curves for piece in curve.pieces]
-    if not pieces:
+    portions = [portion for curve in panel.curves for portion in curve.portions]
+    if not portions:
         return 1.0, 1.0
-    xs, ys = np.concatenate([piece.x for piece in pieces]), np.concatenate([piece.y for piece in pieces])
+    xs, ys = np.concatenate([portion.x for portion in portions]), np.concatenate([portion.y for portion in portions])
     return _range(xs), _range(ys)
 
 
@@ -117,12 +117,8 @@ def _range(values: Array) -> float:
 
 def _hidden(panel: Panel, frame: tuple[float, float]) -> set[str]:
     """Curves that lie under one that is drawn later."""
-    paths = [(curve.name, [np.stack([p.x, p.y], axis=1) / frame for p in curve.pieces]) for curve in panel.curves]
-    return {
-        name
-        for k, (name, own) in enumerate(paths)
-        if any(_covers(later, own) for _, later in paths[k + 1 :])
-    }
+    paths = [(curve.name, [np.stack([p.x, p.y], axis=1) / frame for p in curve.portions]) for curve in panel.curves]
+    return {name for k, (name, own) in enumerate(paths) if any(_covers(later, own) for _, later in paths[k + 1 :])}
 
 
 def _covers(upper: list[Array], lower: list[Array]) -> bool:

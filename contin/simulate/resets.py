@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 CLOCK: Final = "event clock"  # no name in a model contains a blank
 HEIGHT: Final = "height"
 RESOLVED: Final = 1e-7  # of its size: the error of a `when` as a state
-PIECES: Final = 64  # of the time, where no event says how long it takes to the next
+PARTS: Final = 64  # of the time, where no event says how long it takes to the next
 AT_ONCE: Final = 1e-12  # relative: events at the same time
 CHAIN: Final = 100  # events that fire each other without time between
 RUN: Final = 8  # intervals that shrink in succession:
@@ -106,7 +106,7 @@ def fly_with_events(
     errors = np.concatenate([atol, [1e-3 * rtol * duration], np.full(count, np.inf)])
     boxes = np.append(np.full(u.size, box), np.full(1 + count, np.inf))
     watched = _Watched(model, system, p, rtol, errors, boxes)
-    y, t, length = np.append(u, np.zeros(1 + count)), 0.0, duration / PIECES
+    y, t, length = np.append(u, np.zeros(1 + count)), 0.0, duration / PARTS
     sides = _first_sides(watched, y)
     kept_t, kept_u, steps, crossed = [times[:0]], [np.empty((0, y.size))], 0, 0
     jumps: list[Jump] = []
@@ -131,7 +131,7 @@ def fly_with_events(
             break
         y, t = flight.end.copy(), flight.end_time
         if not fired:
-            length = min(2.0 * length, duration / PIECES)
+            length = min(2.0 * length, duration / PARTS)
             continue
         begun = jumps[-1].time if jumps else 0.0
         happened, y, sides, why = _jumped(watched, y, t, fired, t - begun)
@@ -141,7 +141,7 @@ def fly_with_events(
             why = why or ("" if is_last else f"{budget} steps were not enough")
             flight = replace(flight, end=y, end_time=t)
             break
-        length = min(max(1.01 * (t - begun), 1e-9 * duration), duration / PIECES)
+        length = min(max(1.01 * (t - begun), 1e-9 * duration), duration / PARTS)
     n = u.size
     outcome, why = (STOPPED, why) if why else (flight.outcome, flight.why)
     whole = replace(
@@ -206,7 +206,7 @@ def _next_event(
     when_first = end
     fired: list[int] = []
     for place, found in zip(places, signs, strict=False):
-        now = np.where(found == 0.0, last, found)  # a piece as short as rounding, or a solution along the surface
+        now = np.where(found == 0.0, last, found)  # an interval as short as rounding, or a solution along the surface
         if fired and place - when_first > AT_ONCE * max(abs(place), end - t):
             break
         new = [k for k, e in enumerate(watched.events) if now[k] != last[k] and now[k] in SENSES[e.direction]]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 CLOCK: Final = "event clock"  # no name in a model contains a blank
-PIECES: Final = 64  # of the time, looked at one after the other
+PARTS: Final = 64  # of the time, looked at one after the other
 ALWAYS: Final = 1e-12  # relative: a clock that ran back all the time
 
 
@@ -62,7 +62,7 @@ def fly_until(
     options: Fields = {"rtol": rtol, "atol": errors, "box": boxes}
     y, t, steps, crossed, before = np.append(np.asarray(u, dtype=float), 0.0), begin, 0, 0, 1.0
     kept_t, kept_u = [times[:0]], [np.empty((0, y.size))]
-    length, came = (duration - begin) / PIECES, False
+    length, came = (duration - begin) / PARTS, False
     while True:
         last = t + length >= duration * (1.0 - 1e-12)
         y[-1] = 0.0

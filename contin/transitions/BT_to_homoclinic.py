@@ -84,9 +84,7 @@ def _predictors(
     def by_series(eps: float) -> _Prediction:
         moved = p.copy()
         moved[list(active)] += series.at(eps)
-        return _Prediction(
-            moved, u + series.saddle(eps), lambda times: u + series.orbit(eps, times), HALF_TIME / eps
-        )
+        return _Prediction(moved, u + series.saddle(eps), lambda times: u + series.orbit(eps, times), HALF_TIME / eps)
 
     return [by_series, leading]
 
@@ -116,15 +114,15 @@ def _seed(system: CompiledSystem, active: tuple[int, int], one: _Prediction, par
     n, half, moved, saddle = system.n, one.half, one.p, one.saddle
     h = np.full(INTERVALS, 1.0 / INTERVALS)
     rest = Profile(4, np.zeros((INTERVALS * 4 + 1, n)), 2.0 * half, h, float(moved[active[0]]))
-    piece = replace(rest, u=one.orbit((2.0 * rest.times - 1.0) * half))
+    arc = replace(rest, u=one.orbit((2.0 * rest.times - 1.0) * half))
     orbits = OrbitProblem(system, moved, active[0], np.zeros(n), 4)
     values = np.linalg.eigvals(system.jacobian(saddle, moved)[1][:, :n])
     stable = int(np.sum(values.real < 0.0))
     curve = ConnectionCurve(orbits, active[1], 1, stable, n - stable)
-    seed = solved_connection(curve, piece, saddle[None, :], float(moved[active[1]]), parent)
+    seed = solved_connection(curve, arc, saddle[None, :], float(moved[active[1]]), parent)
     found = seed.problem.curve.profile(seed.z)  # type: ignore[attr-defined]
-    extent = np.ptp(piece.u, axis=0).max()
-    if float(np.abs(found.at(rest.times) - piece.u).max()) > ALIKE * extent:
+    extent = np.ptp(arc.u, axis=0).max()
+    if float(np.abs(found.at(rest.times) - arc.u).max()) > ALIKE * extent:
         raise InputError("another orbit was found")
     return seed
 

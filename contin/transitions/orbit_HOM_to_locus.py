@@ -13,7 +13,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.homoclinic.equations import ConnectionCurve
-from contin.homoclinic.interval import piece_of
+from contin.homoclinic.interval import arc_of
 from contin.homoclinic.solved_connection import solved_connection
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.ends.invariant_circle import bottlenecks
@@ -44,18 +44,18 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
     orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
     seeds = []
     for a, b, start, end in loops:
-        piece = _piece(profile, start, end)
-        piece = replace(piece, u=piece.u - turns(problem, piece.u[0] - visited[a].u))
-        winding = turns(problem, piece.u[-1] - visited[b].u)
+        arc = _arc(profile, start, end)
+        arc = replace(arc, u=arc.u - turns(problem, arc.u[0] - visited[a].u))
+        winding = turns(problem, arc.u[-1] - visited[b].u)
         ends = np.array([visited[a].u] if a == b else [visited[a].u, visited[b].u + winding])
         stable = int(np.sum(visited[a].eigenvalues.real < 0.0))
         unstable = int(np.sum(visited[b].eigenvalues.real > 0.0))
-        piece = replace(piece, parameter=float(orbit[-1]))
+        arc = replace(arc, parameter=float(orbit[-1]))
         parent = Parent(point.branch, point.label)
         q = float(orbits.base[second])
         turned = winding if a == b and winding.any() else None
         curve = ConnectionCurve(orbits, second, len(ends), stable, unstable, winding=turned)
-        seeds.append(solved_connection(curve, piece, ends, q, parent))
+        seeds.append(solved_connection(curve, arc, ends, q, parent))
     if any(not np.allclose(seeds[0].z[-2:], s.z[-2:]) for s in seeds):
         return seeds
     return seeds if len(visited) > 1 else seeds[:1]  # loops of one saddle: images of each other, or one twice
@@ -83,16 +83,16 @@ def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: 
     slowest = int(np.argmin(away))
     outside = np.flatnonzero(np.roll(away, -slowest) > beside)
     start, end = np.roll(times, -slowest)[outside[[0, -1]]]
-    piece = _piece(profile, float(start), float(end if end > start else end + 1.0))
-    piece = replace(piece, u=piece.u - turns(problem, piece.u[0] - at[:-1]))
-    winding = turns(problem, piece.u[-1] - at[:-1])
+    arc = _arc(profile, float(start), float(end if end > start else end + 1.0))
+    arc = replace(arc, u=arc.u - turns(problem, arc.u[0] - at[:-1]))
+    winding = turns(problem, arc.u[-1] - at[:-1])
     p = problem.full_parameters(at)
     orbits = replace(problem, base=p, active=first)
     stable, unstable = int(np.sum(others < 0.0)), int(np.sum(others > 0.0))
     turned = winding if winding.any() else None
     curve = ConnectionCurve(orbits, second, 1, stable, unstable, node=True, winding=turned)
-    piece = replace(piece, parameter=float(p[first]))
-    return solved_connection(curve, piece, at[None, :-1], float(p[second]), Parent(point.branch, point.label))
+    arc = replace(arc, parameter=float(p[first]))
+    return solved_connection(curve, arc, at[None, :-1], float(p[second]), Parent(point.branch, point.label))
 
 
 def _passages(
@@ -139,11 +139,11 @@ def _merged(minima: list[int], near: Array) -> list[int]:
     return kept
 
 
-def _piece(profile: Profile, start: float, end: float) -> Profile:
+def _arc(profile: Profile, start: float, end: float) -> Profile:
     """The stretch from `start` to `end` (which may exceed 1) of a closed orbit on a mesh of its own."""
     winding = profile.u[-1] - profile.u[0]
     twice = replace(
         profile, u=np.vstack([profile.u, profile.u[1:] + winding]), period=2.0 * profile.period,
         h=np.concatenate([profile.h, profile.h]) / 2.0,
     )  # fmt: skip
-    return piece_of(twice, start / 2.0, end / 2.0)
+    return arc_of(twice, start / 2.0, end / 2.0)

@@ -9,7 +9,7 @@ import contin
 from contin.continuation.accounting import unexplained
 from contin.continuation.problem import Verified
 from contin.continuation.rows import Rows
-from contin.continuation.segment import Piece, Row
+from contin.continuation.segment import Row, Segment
 from contin.model.model import Model
 
 
@@ -60,18 +60,20 @@ def test_rows_farther_from_a_corner_are_not_excused():
     assert unexplained(unstable, [], [], [10]) == [5, 6]
 
 
-def piece(*unstable: int, marks: tuple[int, ...] = (), jumps: tuple[int, ...] = ()) -> Piece:
+def segment(*unstable: int, marks: tuple[int, ...] = (), jumps: tuple[int, ...] = ()) -> Segment:
     count, zeros = len(unstable), np.zeros((len(unstable), 2))
     z = zeros + np.arange(count)[:, None]
     found = tuple(Row(k, 0.0, replace(label("LP"), z=np.array([k - 1.5, 0.0])), np.zeros(2)) for k in marks)
     values = np.zeros((count, 1), complex)
-    return Piece(z, zeros, np.array(unstable), values, np.ones(2), found, jumps=jumps)
+    return Segment(z, zeros, np.array(unstable), values, np.ones(2), found, jumps=jumps)
 
 
 def test_jumps_keep_their_place_among_labelled_rows_and_when_the_order_turns_round():
     rows = Rows()
-    rows.add_piece(piece(0, 0, 0))
-    rows.add_piece(piece(0, 1, 1, 3, marks=(2,), jumps=(4,)))  # labelled between 0 and 1; a jump before the last row
+    rows.add_segment(segment(0, 0, 0))
+    rows.add_segment(
+        segment(0, 1, 1, 3, marks=(2,), jumps=(4,))
+    )  # labelled between 0 and 1; a jump before the last row
     jumped = rows.joined(0)[0][2]
     assert np.flatnonzero(np.diff(jumped) == 2).tolist() == [rows.jumps[0] - 1]
     rows.reverse()
@@ -111,7 +113,8 @@ def test_labels_explain_sums_of_what_each_changes_and_no_other_number(unstable, 
 
 
 @pytest.mark.parametrize(
-    ("slope", "expected"), [(0.0, [[], [2]]), (1e-3, [[], []]), (0.5, [[2], []])]  # turns there, may, is crossed
+    ("slope", "expected"),
+    [(0.0, [[], [2]]), (1e-3, [[], []]), (0.5, [[2], []])],  # turns there, may, is crossed
 )
 def test_a_pitchfork_changes_only_the_branch_that_is_crossed(slope, expected):
     pitchfork = replace(label("BP"), normal_form={"kind": "pitchfork"})

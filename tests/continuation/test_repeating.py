@@ -16,7 +16,7 @@ def snake(limits, ratio, gain, count):
 
 
 def followed(folds):
-    """Rows up to which a family with these folds is followed, one fold a piece, and its end."""
+    """Rows up to which a family with these folds is followed, one fold a segment, and its end."""
     arm = SimpleNamespace(
         end=None, problem=SimpleNamespace(kind="orbit", parameters=("p",), columns=lambda z: {"period": z[:, 0]})
     )

@@ -17,7 +17,7 @@ def followed(meetings, kind="orbit"):
     points = {name: SimpleNamespace(type=name.rstrip("0123456789"), z=np.array([0.0])) for name in meetings}
     seen = set()
 
-    def pieces():
+    def segments():
         for name in meetings:
             arm.accepted += 6
             new = name not in seen
@@ -26,7 +26,7 @@ def followed(meetings, kind="orbit"):
                 arm.course.met.append(points[name])
             yield SimpleNamespace(found=(SimpleNamespace(point=points[name]),) if new else ())
 
-    return len(list(until_retracing(pieces(), arm))), arm.retraced, arm.end
+    return len(list(until_retracing(segments(), arm))), arm.retraced, arm.end
 
 
 def test_the_way_back_ends_at_the_second_point_and_is_left_out():

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from contin.continuation.ends.standing import ROWS, until_standing
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 
-def pieces(p, multiplier):
+def segments(p, multiplier):
     for value in p:
         z = np.array([[0.0, value]])
-        yield Piece(z, z, np.zeros(1, np.int64), np.array([[1.0, multiplier]], complex), np.array([1.0, 2.0]))
+        yield Segment(z, z, np.zeros(1, np.int64), np.array([[1.0, multiplier]], complex), np.array([1.0, 2.0]))
 
 
 def followed(p, multiplier=1.0, kind="orbit", may_stand=False):
     problem = SimpleNamespace(kind=kind, may_stand=may_stand, parameters=("p",))
     arm = SimpleNamespace(problem=problem, end=None)
     arm.is_over = lambda: arm.end is not None
-    return len(list(until_standing(pieces(p, multiplier), arm))), arm.end
+    return len(list(until_standing(segments(p, multiplier), arm))), arm.end
 
 
 STANDING = 0.5 + 1e-12 * np.arange(2 * ROWS)

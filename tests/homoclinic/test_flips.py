@@ -116,8 +116,8 @@ def test_in_reversed_time_the_flip_is_on_the_unstable_side():
     system = api.compiled(sandstede(-1))
     orbits = OrbitProblem(system, curve.full_parameters(forwards.z), curve.first, np.zeros(3), 4)
     reversed_curve = ConnectionCurve(orbits, curve.second, 1, curve.unstable_count, curve.stable_count)
-    piece = replace(profile, u=profile.u[::-1].copy(), h=profile.h[::-1].copy())
-    seed = solved_connection(reversed_curve, piece, curve.equilibria(forwards.z), 0.5, None)
+    arc = replace(profile, u=profile.u[::-1].copy(), h=profile.h[::-1].copy())
+    seed = solved_connection(reversed_curve, arc, curve.equilibria(forwards.z), 0.5, None)
     loops = contin.continuation(seed, plane, {"m": (-0.5, 0.5), "alpha": (0.4, 1.5)})
     assert [p.type for p in loops.points] == ["IFU"]
     assert loops["IFU1"].values["alpha"] == pytest.approx(1.230857, abs=1e-6)

@@ -60,7 +60,7 @@ def test_gaps_vanish_half_a_turn_of_the_spiral_apart(tmp_path):
     curve = contin.continuation(contin.connection(model, "rest"), ("c", "a"), PULSE["range"], values={"a": [0]})
     start = contin.connection(curve["UZ1"], pulses=2)
     zeros = start._zeros(start._start(), 0, 1)
-    times = [next(zeros).pieces[1].period for _ in range(2)]
+    times = [next(zeros).arcs[1].period for _ in range(2)]
     c = curve["UZ1"].values["c"]
     omega = np.abs(np.linalg.eigvals([[0, 1, 0], [0, c, 1], [0.0025 / c, 0, 0]]).imag).max()
     assert times[0] - times[1] == pytest.approx(np.pi / omega, rel=1e-3)

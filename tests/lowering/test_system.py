@@ -204,7 +204,7 @@ def test_threads_do_not_disturb_each_other(monkeypatch):
     from contin.lowering import llvm_text
 
     monkeypatch.setattr(llvm_text, "UNSPLIT", 50)
-    monkeypatch.setattr(llvm_text, "PIECE", 40)
+    monkeypatch.setattr(llvm_text, "PART", 40)
     model = oscillator_network(20, 4)
     points = np.random.default_rng(9).normal(size=(4, 50, 20))
     p = np.ones(21)

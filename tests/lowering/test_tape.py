@@ -77,8 +77,8 @@ def test_all_to_all_coupling_computes_each_sine_once():
     assert system.statements("value") <= 2.5 * n * n  # n (n - 1)/2 differences and sines, n^2 additions; measured 2.1
 
 
-@pytest.mark.parametrize("piece", [3, 17, 60])
-def test_split_bodies_give_the_same_bits(monkeypatch, piece):
+@pytest.mark.parametrize("part", [3, 17, 60])
+def test_split_bodies_give_the_same_bits(monkeypatch, part):
     """Nothing is reassociated or contracted, so cutting a body cannot change a result (NaN included)."""
     texts = {
         "x": "sin(x - y)*exp(-z) + (x^3 if x < y and not z > a else cos(x)/y)",
@@ -89,12 +89,12 @@ def test_split_bodies_give_the_same_bits(monkeypatch, piece):
     expected = compile_system(whole)
     points = np.random.default_rng(3).normal(size=(20, 4))
     wanted = [expected.jacobian(z[:3], z[3:]) for z in points]
-    monkeypatch.setattr(llvm_text, "PIECE", piece)
+    monkeypatch.setattr(llvm_text, "PART", part)
     monkeypatch.setattr(llvm_text, "UNSPLIT", 10)
     for limit in (4096, 0):  # scratch on the stack, on the heap
         monkeypatch.setattr(llvm_text, "STACK_SCRATCH", limit)
         system = compile_system(split)
-        assert system.statements("jacobian") == expected.statements("jacobian") > 3 * piece / 2
+        assert system.statements("jacobian") == expected.statements("jacobian") > 3 * part / 2
         for z, (f, matrix) in zip(points, wanted, strict=True):
             got_f, got_matrix = system.jacobian(z[:3], z[3:])
             assert bits(got_f) == bits(f)
@@ -102,14 +102,14 @@ def test_split_bodies_give_the_same_bits(monkeypatch, piece):
 
 
 def test_scratch_slots_are_used_again():
-    """A chain of pieces needs the values alive at once, not one slot for every value."""
+    """A chain of parts needs the values alive at once, not one slot for every value."""
     text = "x"
     for k in range(60):
         text = f"sin({text} + {k})*y"
     tape = Tape({name: (0, i) for i, name in enumerate(SCOPE)})
     statements, _ = tape.pruned([tape.evaluate(parse(text, SCOPE))])
-    pieces = [range(a, min(a + 5, len(statements))) for a in range(0, len(statements), 5)]
-    slots, size = llvm_text._scratch_slots(statements, pieces)
+    parts = [range(a, min(a + 5, len(statements))) for a in range(0, len(statements), 5)]
+    slots, size = llvm_text._scratch_slots(statements, parts)
     assert len(slots) >= 30
     assert size <= 2
 

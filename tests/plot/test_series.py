@@ -1,4 +1,4 @@
-"""Plot series: pieces by stability, breaks at angle wraps, marks on rows; the same from memory and from a file."""
+"""Plot series: portions by stability, breaks at angle wraps, marks on rows; the same from memory and from a file."""
 
 import json
 
@@ -14,14 +14,14 @@ from contin.store.json_format import dumps, result_document
 from tests.plot.sample import bautin, branch, hysteresis, pitchfork, special
 
 
-def pieces(panel, name):
-    return [piece for curve in panel.curves if curve.name == name for piece in curve.pieces]
+def portions(panel, name):
+    return [portion for curve in panel.curves if curve.name == name for portion in curve.portions]
 
 
 def test_an_s_of_equilibria_is_stable_unstable_stable_and_joins_at_its_folds():
     [panel] = panels(from_branches(hysteresis()))
-    low, middle, high = pieces(panel, "states")
-    assert [piece.stable for piece in (low, middle, high)] == [True, False, True]
+    low, middle, high = portions(panel, "states")
+    assert [portion.stable for portion in (low, middle, high)] == [True, False, True]
     assert low.y[-1] == middle.y[0] == -1.0
     assert middle.y[-1] == high.y[0] == 1.0
     assert [(x, y) for x, y, _ in panel.curves[0].marks] == [(2.0, -1.0), (-2.0, 1.0)]
@@ -35,7 +35,7 @@ def test_pieces_cover_every_segment_exactly_once(flags, labelled):
     p = np.arange(rows, dtype=float)
     made = branch("b", {"p": p, "x": p**2, "stable": flags}, points)
     [panel] = panels(from_branches([made]))
-    segments = [(i, i + 1) for piece in panel.curves[0].pieces for i in piece.rows[:-1]]
+    segments = [(i, i + 1) for portion in panel.curves[0].portions for i in portion.rows[:-1]]
     assert segments == [(i, i + 1) for i in range(rows - 1)]
 
 
@@ -43,33 +43,33 @@ def test_an_angle_that_turns_is_broken_where_it_wraps():
     angle = np.linspace(0.0, 6 * np.pi, 301)
     made = branch("b", {"p": angle, "psi": angle, "stable": np.ones(301, bool)})
     [panel] = panels(from_branches([made]), y="psi", periods={"psi": 2 * np.pi})
-    turns = panel.curves[0].pieces
+    turns = panel.curves[0].portions
     assert len(turns) == 4  # from 0 to pi, two full turns, and from -pi to 0
-    for piece in turns:
-        assert np.all(np.diff(piece.y) > 0)
-        assert np.all(np.abs(piece.y) <= np.pi + 1e-12)
+    for portion in turns:
+        assert np.all(np.diff(portion.y) > 0)
+        assert np.all(np.abs(portion.y) <= np.pi + 1e-12)
 
 
 def test_an_angle_that_stays_at_half_a_turn_does_not_flicker():
     noise = np.pi + 1e-15 * (-1.0) ** np.arange(20)
     made = branch("b", {"p": np.arange(20.0), "psi": noise, "stable": np.ones(20, bool)})
     [panel] = panels(from_branches([made]), y="psi", periods={"psi": 2 * np.pi})
-    [piece] = panel.curves[0].pieces
-    np.testing.assert_allclose(piece.y, np.pi)
+    [portion] = panel.curves[0].portions
+    np.testing.assert_allclose(portion.y, np.pi)
 
 
 def test_a_gap_in_the_numbers_is_a_gap_in_the_curve():
     y = np.array([0.0, 1.0, np.nan, 3.0, 4.0])
     [panel] = panels(from_branches([branch("b", {"p": np.arange(5.0), "x": y, "stable": np.ones(5, bool)})]))
-    assert [list(piece.rows) for piece in panel.curves[0].pieces] == [[0, 1], [3, 4]]
+    assert [list(portion.rows) for portion in panel.curves[0].portions] == [[0, 1], [3, 4]]
 
 
 def test_orbits_have_a_strand_of_maxima_and_one_of_minima_and_loci_a_panel_of_their_own():
     diagram, plane = panels(from_branches(bautin()), units={"p": "1/s"})
-    strands = pieces(diagram, "cycles")
-    assert max(piece.y.max() for piece in strands) == -min(piece.y.min() for piece in strands)
+    strands = portions(diagram, "cycles")
+    assert max(portion.y.max() for portion in strands) == -min(portion.y.min() for portion in strands)
     assert (diagram.x_label, plane.x, plane.y) == ("p (1/s)", "p", "q")
-    assert all(piece.stable is None for piece in pieces(plane, "folds"))
+    assert all(portion.stable is None for portion in portions(plane, "folds"))
 
 
 def test_axes_can_be_chosen_and_an_absent_column_names_those_there_are():
@@ -91,8 +91,8 @@ def test_a_file_gives_the_same_series_as_memory():
     for a, b in zip(panels(from_branches(branches)), panels(from_document(document)), strict=True):
         assert (a.x, a.y, [c.name for c in a.curves]) == (b.x, b.y, [c.name for c in b.curves])
         for one, two in zip(a.curves, b.curves, strict=True):
-            assert [p.stable for p in one.pieces] == [p.stable for p in two.pieces]
-            for p, q in zip(one.pieces, two.pieces, strict=True):
+            assert [p.stable for p in one.portions] == [p.stable for p in two.portions]
+            for p, q in zip(one.portions, two.portions, strict=True):
                 np.testing.assert_array_equal(p.y, q.y)
             assert [m.label for *_, m in one.marks] == [m.label for *_, m in two.marks]
 

@@ -12,27 +12,27 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.problem import in_two_parameters
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it
 WIDELY = 3.0  # ... and where only the parameters are looked at, which may change less than the orbit does
 SAME = 1e-4  # relative differences of parameters, period and extents of one orbit on two meshes
 
 
-def until_closed(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
-    """The pieces of an arm, to the point where it is back at its start; then `arm.end` says so.
+def until_closed(segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[Segment]:
+    """The segments of an arm, to the point where it is back at its start; then `arm.end` says so.
 
     Only curves of orbits in two parameters are looked at: other closed branches are seen by the march itself.
     """
     name = arm.problem.parameters[0]
     if not (arm.problem.adaptive and in_two_parameters(arm.problem)):
-        yield from pieces
+        yield from segments
         return
     loop = _Loop(arm, start)
-    for piece in pieces:
-        closed = loop.closed(piece)
+    for segment in segments:
+        closed = loop.closed(segment)
         if closed is None:
-            yield piece
+            yield segment
             continue
         arm.end = End("closed", f"closed loop: back at the start, {name} = {start[-1]:.10g}")
         yield closed
@@ -64,10 +64,10 @@ class _Loop:
         names = [*self.problem.parameters, "period", *states]
         return np.column_stack([columns[name] for name in names if name in columns])
 
-    def closed(self, piece: Piece) -> Piece | None:
-        """The piece up to the start, where one of its steps passes that."""
+    def closed(self, segment: Segment) -> Segment | None:
+        """The segment up to the start, where one of its steps passes that."""
         target = self.first / self.sizes
-        for row, z in enumerate(piece.z):
+        for row, z in enumerate(segment.z):
             last, self.last = self.last, z
             if self.away is not None and not self._comes_near(last, z):
                 continue
@@ -76,9 +76,9 @@ class _Loop:
             if self.away is None:
                 self.away = step
             elif float(step @ self.away) > 0.0 and _passes(before, step, target, BESIDE):
-                there = self._solved(piece, row, step)
+                there = self._solved(segment, row, step)
                 if there is not None:
-                    return replace(piece.cut(row + 1), z=np.vstack([piece.z[:row], there]))
+                    return replace(segment.cut(row + 1), z=np.vstack([segment.z[:row], there]))
         return None
 
     def _comes_near(self, last: Array, z: Array) -> bool:
@@ -86,11 +86,11 @@ class _Loop:
         ends = last[self.places] / self.sizes[:2], z[self.places] / self.sizes[:2]
         return _passes(ends[0], ends[1] - ends[0], self.first[:2] / self.sizes[:2], WIDELY, around=1.0)
 
-    def _solved(self, piece: Piece, row: int, step: Array) -> Array | None:
+    def _solved(self, segment: Segment, row: int, step: Array) -> Array | None:
         """The point of the curve at the start's value of the parameter that moves most; None if it is another one."""
         axis = int(np.argmax(np.abs(step[:2])))
         place = self.places[axis]
-        z = self.problem.at_unknown(place, piece.z[row], float(self.start[place]), piece.scale)
+        z = self.problem.at_unknown(place, segment.z[row], float(self.start[place]), segment.scale)
         if z is None:
             return None
         gaps = (self._marks(z[None])[0] - self.first) / self.sizes

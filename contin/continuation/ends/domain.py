@@ -12,65 +12,67 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.problem import Floor, Problem
-from contin.continuation.segment import Piece, Row
+from contin.continuation.segment import Row, Segment
 
 SMALL: Final = 1e-6  # of its scale: an unknown this near to its floor lies on it
 STRAIGHT: Final = 1e-3  # of a step's length: a chord this near to the point at which all unknowns vanish leads through
 BOUNDS: Final = (np.minimum, np.maximum)
 
 
-def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
-    """The pieces of an arm up to the first row where an unknown has fallen to its floor; then `arm.end` says so.
+def above_floors(problem: Problem, segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[Segment]:
+    """The segments of an arm up to the first row where an unknown has fallen to its floor; then `arm.end` says so.
 
     A branch that lies on a floor, or begins there and rises, goes on. A labelled point on the floor is the last row,
     unless the equations are singular there.
     """
     floors = problem.floors
     before = start
-    for piece in pieces:
-        cut = _first_fall(floors, before, piece)
+    for segment in segments:
+        cut = _first_fall(floors, before, segment)
         if cut is None:
-            yield piece
-            before = piece.z[-1] if len(piece.z) else before
+            yield segment
+            before = segment.z[-1] if len(segment.z) else before
             continue
         row, floor = cut
-        found = tuple(mark for mark in piece.found if _stays(mark, row, floor, piece))
-        last = piece.z[row - 1] if row else before
-        end = found[-1].point.z if found and found[-1].before == row + 1 else _where(floor, last, piece.z[row], piece)
+        found = tuple(mark for mark in segment.found if _stays(mark, row, floor, segment))
+        last = segment.z[row - 1] if row else before
+        end = (
+            found[-1].point.z if found and found[-1].before == row + 1 else _where(floor, last, segment.z[row], segment)
+        )
         text = f"at {problem.parameters[0]} = {end[-1]:.10g}, {floor.text}"
         arm.end = End("bound", text, {"value": floor.lowest})
-        yield piece.cut(row, found)
+        yield segment.cut(row, found)
         return
 
 
-def _stays(mark: Row, row: int, floor: Floor, piece: Piece) -> bool:
+def _stays(mark: Row, row: int, floor: Floor, segment: Segment) -> bool:
     """A labelled point before the fall, or on this side of the floor in the step that falls."""
-    height = float(floor.heights(mark.point.z[None], piece.scale)[0])
+    height = float(floor.heights(mark.point.z[None], segment.scale)[0])
     return mark.before <= row + 1 and height > (SMALL if floor.singular else -SMALL)
 
 
-def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[int, Floor] | None:
-    """The first row of the piece on or below a floor that the row before it was above."""
+def _first_fall(floors: Iterable[Floor], before: Array, segment: Segment) -> tuple[int, Floor] | None:
+    """The first row of the segment on or below a floor that the row before it was above."""
     if not floors:  # rows of orbits may change their length
         return None
-    if not len(piece.z) or all(floor.together and _stays_far(floor, before, piece) for floor in floors):
+    if not len(segment.z) or all(floor.together and _stays_far(floor, before, segment) for floor in floors):
         return None
-    rows, falls = np.vstack([before[None], piece.z]), []
+    rows, falls = np.vstack([before[None], segment.z]), []
     for floor in floors:
-        if floor.together and _is_far(rows.T[list(floor.together)], piece.scale[list(floor.together)]):
+        if floor.together and _is_far(rows.T[list(floor.together)], segment.scale[list(floor.together)]):
             continue
-        above = floor.heights(rows, piece.scale) > SMALL
-        fallen = np.flatnonzero(above[:-1] & (~above[1:] | _leads_through(floor, rows, piece.scale)))
+        above = floor.heights(rows, segment.scale) > SMALL
+        fallen = np.flatnonzero(above[:-1] & (~above[1:] | _leads_through(floor, rows, segment.scale)))
         if fallen.size:
             falls.append((int(fallen[0]), floor))
     return min(falls, key=lambda fall: fall[0]) if falls else None
 
 
-def _stays_far(floor: Floor, before: Array, piece: Piece) -> bool:
+def _stays_far(floor: Floor, before: Array, segment: Segment) -> bool:
     """`_is_far`, with the whole extent of the rows in place of their chords: fewer operations, and fewer truths."""
     taken = list(floor.together)
-    ends = zip(BOUNDS, piece.extent, strict=True)
-    low, high = (bound(before, end)[taken] / piece.scale[taken] for bound, end in ends)
+    ends = zip(BOUNDS, segment.extent, strict=True)
+    low, high = (bound(before, end)[taken] / segment.scale[taken] for bound, end in ends)
     return bool(np.maximum(low, -high).max() > 2.0 * np.linalg.norm(high - low) + SMALL)
 
 
@@ -103,10 +105,10 @@ def _nearest(a: Array, b: Array, scale: Array) -> tuple[Array, Array]:
     return share, np.asarray(distance / np.maximum(length, np.finfo(float).tiny))
 
 
-def _where(floor: Floor, last: Array, fallen: Array, piece: Piece) -> Array:
+def _where(floor: Floor, last: Array, fallen: Array, segment: Segment) -> Array:
     """The fallen row, or, where it is beyond the floor, the point of the chord to it that is on the floor."""
     if not floor.together:
         return fallen
     taken = list(floor.together)
-    share, _ = _nearest(last[None, taken], fallen[None, taken], piece.scale[taken])
+    share, _ = _nearest(last[None, taken], fallen[None, taken], segment.scale[taken])
     return np.asarray(last + min(max(float(share[0]), 0.0), 1.0) * (fallen - last))

@@ -12,7 +12,7 @@ from typing import Final
 
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 TURNS: Final = 4  # folds on each side from which two limits are foretold
 SHRINKING: Final = 0.5  # distance of two folds on one side, relative to that of the two before, at most
@@ -22,18 +22,18 @@ ALIKE: Final = 0.1  # ... and of the gains on the two sides
 APART: Final = 10.0  # the two limits are further apart than their sides' last folds, times this
 
 
-def until_repeating(pieces: Iterable[Piece], arm: Arm) -> Iterator[Piece]:
-    """The pieces of an arm, up to the fold at which it is clear that there will always be another."""
+def until_repeating(segments: Iterable[Segment], arm: Arm) -> Iterator[Segment]:
+    """The segments of an arm, up to the fold at which it is clear that there will always be another."""
     if arm.problem.kind != "orbit":
-        yield from pieces
+        yield from segments
         return
     folds: list[tuple[float, float]] = []  # parameter, period
-    for piece in pieces:
-        for mark in piece.found:
+    for segment in segments:
+        for mark in segment.found:
             if mark.point.type == "LPC":
                 z = mark.point.z
                 folds.append((float(z[-1]), float(arm.problem.columns(z[None])["period"][0])))
-        yield piece
+        yield segment
         end = None if arm.is_over() else _repeats(folds, arm)
         if end is not None:
             arm.end = end

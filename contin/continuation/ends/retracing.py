@@ -13,33 +13,33 @@ from typing import Final
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.problem import Verified
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 REGULAR: Final = ("LPC", "PD", "NS", "LP")  # not branch points, which a branch may pass twice
 ROWS: Final = 10  # between a label and the same point again: nearer ones are of one step, looked at twice
 TOLD: Final = 2  # points that are met again
 
 
-def until_retracing(pieces: Iterable[Piece], arm: Arm) -> Iterator[Piece]:
-    """The pieces of an arm of orbits or cycles, up to the second of its labelled points that it meets again.
+def until_retracing(segments: Iterable[Segment], arm: Arm) -> Iterator[Segment]:
+    """The segments of an arm of orbits or cycles, up to the second of its labelled points that it meets again.
 
     `arm.retraced` counts those from the first of these points on: they are rows once more.
     """
     if arm.problem.kind not in ("orbit", "fixed-point"):
-        yield from pieces
+        yield from segments
         return
     labelled: dict[int, int] = {}  # rows at which each point was labelled, by its identity
     again: list[Verified] = []
-    since = 0  # pieces from the first of them on
-    for piece in pieces:
-        labelled.update({id(mark.point): arm.accepted for mark in piece.found})
+    since = 0  # segments from the first of them on
+    for segment in segments:
+        labelled.update({id(mark.point): arm.accepted for mark in segment.found})
         for point in arm.course.met:
             old = arm.accepted - labelled.get(id(point), -ROWS) >= ROWS
             if old and point.type in REGULAR and all(point is not other for other in again):
                 again.append(point)
         arm.course.met.clear()
         since += bool(again)
-        yield piece
+        yield segment
         if len(again) >= TOLD and not arm.is_over():
             arm.end, arm.retraced = _end(arm, again), since
             return

@@ -15,33 +15,33 @@ import numpy as np
 from contin.abi import Vector
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 ROWS: Final = 400  # in succession at which the parameter stands still
 STILL: Final = 1e-7  # of its scale: as far as it moves then
 NEUTRAL: Final = 1e-4  # distance from 1 of two multipliers
 
 
-def until_standing(pieces: Iterable[Piece], arm: Arm) -> Iterator[Piece]:
-    """The pieces of an arm, up to the one in which the parameter has stood still for `ROWS` rows.
+def until_standing(segments: Iterable[Segment], arm: Arm) -> Iterator[Segment]:
+    """The segments of an arm, up to the one in which the parameter has stood still for `ROWS` rows.
 
     Families that are born at a Hopf point of a system with a first integral know that they do so, and are followed.
     """
     if arm.problem.kind != "orbit" or arm.problem.may_stand:
-        yield from pieces
+        yield from segments
         return
     at, count = np.nan, 0
-    for piece in pieces:
-        width = float(piece.scale[-1])
-        values = piece.z[:, -1]
+    for segment in segments:
+        width = float(segment.scale[-1])
+        values = segment.z[:, -1]
         if len(values) and not (np.abs(values - np.append(at, values[:-1])) <= STILL * width).any():
             at, count = float(values[-1]), 1  # mostly: the parameter moves in every step
         else:
-            for here, multipliers in zip(values.tolist(), piece.eigenvalues, strict=True):
+            for here, multipliers in zip(values.tolist(), segment.eigenvalues, strict=True):
                 if not (abs(here - at) <= STILL * width and _is_neutral(multipliers)):
                     at, count = here, 0
                 count += 1
-        yield piece
+        yield segment
         if count >= ROWS and not arm.is_over():
             name = arm.problem.parameters[0]
             near = 0.0 if abs(at) <= STILL * width else at

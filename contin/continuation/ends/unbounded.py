@@ -15,7 +15,7 @@ from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.location.lost_digits import unresolved
 from contin.continuation.problem import Problem, in_two_parameters
-from contin.continuation.segment import Piece
+from contin.continuation.segment import Segment
 
 POWERS: Final = (*(float(f"1e{k}") for k in range(309)), np.inf)  # of ten
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
@@ -37,23 +37,23 @@ NEARING: Final = 8  # rows in turn of a curve in two parameters that come nearer
 STAYING: Final = 1e-2  # ... while no parameter moves by more than this part of its range
 
 
-def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
-    """The pieces of an arm up to the row where it is lost; then `arm.end` says how.
+def until_lost(segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[Segment]:
+    """The segments of an arm up to the row where it is lost; then `arm.end` says how.
 
     Periodic orbits have ends of their own; a locus may well run along a line of constant parameter, but not come ever
     nearer to one of its bounds.
     """
     if arm.problem.adaptive and not in_two_parameters(arm.problem):
-        yield from pieces
+        yield from segments
         return
     record = _Record(arm, start.copy(), arm.scale[:-1].copy(), arm.problem.adaptive, last=start)
-    for piece in pieces:
-        stop = record.lost(piece)
+    for segment in segments:
+        stop = record.lost(segment)
         if stop is None:
-            yield piece
+            yield segment
             continue
         arm.end = stop.end
-        yield piece.cut(stop.row + 1)
+        yield segment.cut(stop.row + 1)
         return
 
 
@@ -67,7 +67,7 @@ def _may_grow(problem: Problem) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class _Stop:
-    """The row of a piece at which the arm is to end, and why."""
+    """The row of a segment at which the arm is to end, and why."""
 
     row: int
     end: End
@@ -85,21 +85,21 @@ class _Record:
     vertical: int = 0  # rows without a move of the parameter, and of anything
     standing: int = 0
     approaching: int = 0  # rows in turn that came nearer to a bound
-    last: Array = field(default_factory=lambda: np.zeros(0))  # the row before the next piece
+    last: Array = field(default_factory=lambda: np.zeros(0))  # the row before the next segment
     nearing: dict[str, tuple[float, Array]] = field(default_factory=dict)  # of a locus, by parameter: its last distance
     # from a bound, and the parameters at the rows in turn that came nearer to it
     crept: list[tuple[Array, int]] = field(default_factory=list)  # last rows of a state that has grown, notes on each
 
-    def lost(self, piece: Piece) -> _Stop | None:
-        """Take the rows of one more piece."""
-        if not len(piece.z):
+    def lost(self, segment: Segment) -> _Stop | None:
+        """Take the rows of one more segment."""
+        if not len(segment.z):
             return None
         if in_two_parameters(self.arm.problem):
-            return self._nearing(piece) or (None if self.adaptive else self._infinite(piece))
-        size, extent = self._size(piece), piece.extent
-        growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece, size)
+            return self._nearing(segment) or (None if self.adaptive else self._infinite(segment))
+        size, extent = self._size(segment), segment.extent
+        growing = self._infinite(segment) or self._unresolved(segment) or self._creeping(segment, size)
         values = float(extent[0][-1]), float(extent[1][-1])
-        return growing or self._approaching(piece, size, values) or self._unmoved(piece, values)
+        return growing or self._approaching(segment, size, values) or self._unmoved(segment, values)
 
     def _relative(self, z: Array) -> Array:
         """States of rows z (.., n + 1) beside their scales at the first row; 0 for unknowns that cannot grow."""
@@ -113,54 +113,54 @@ class _Record:
         """Of the rows."""
         return np.asarray(self._relative(z).max(axis=-1, initial=0.0))
 
-    def _size(self, piece: Piece) -> float:
+    def _size(self, segment: Segment) -> float:
         """Of the last row."""
-        return float(self._sizes(piece.z[-1]))
+        return float(self._sizes(segment.z[-1]))
 
-    def _creeping(self, piece: Piece, size: float) -> _Stop | None:
+    def _creeping(self, segment: Segment, size: float) -> _Stop | None:
         """A state that has grown goes on in ever so short steps, or in some between changes that do not verify."""
         if not size > OUTGROWN:
             self.crept.clear()
             return None
-        self.crept = [*self.crept, *((z, len(piece.notes) if k == 0 else 0) for k, z in enumerate(piece.z))]
+        self.crept = [*self.crept, *((z, len(segment.notes) if k == 0 else 0) for k, z in enumerate(segment.z))]
         self.crept = self.crept[-CREEPING - 1 :]
         failures = sum(count for _, count in self.crept)
         if len(self.crept) <= CREEPING or not (size > GROWN or failures > CREEPING * FAILING):
             return None
-        moved = np.linalg.norm(np.diff(np.array([z for z, _ in self.crept]), axis=0) / piece.scale, axis=1)
+        moved = np.linalg.norm(np.diff(np.array([z for z, _ in self.crept]), axis=0) / segment.scale, axis=1)
         if not float(moved.mean()) < CREEP * self.arm.course.settings.max_step:
             return None
-        name = self._fastest(self._relative(piece.z[-1]))
+        name = self._fastest(self._relative(segment.z[-1]))
         text = f"{name} has grown to {size:.0e} times its scale, and rounding makes the branch creep on in short steps"
-        return self._stop(len(piece.z) - 1, piece, "bound", text)
+        return self._stop(len(segment.z) - 1, segment, "bound", text)
 
-    def _unresolved(self, piece: Piece) -> _Stop | None:
+    def _unresolved(self, segment: Segment) -> _Stop | None:
         """A cycle of a map, mostly a growing one, whose multipliers have no digits left; orbits by shooting go on."""
         if self.arm.problem.multiplied_out:
             return None
-        lost = np.flatnonzero(unresolved(self.arm.problem, piece.eigenvalues))
+        lost = np.flatnonzero(unresolved(self.arm.problem, segment.eigenvalues))
         if not lost.size:
             return None
         row = int(lost[0])
-        size, largest = float(self._sizes(piece.z[row])), float(np.abs(piece.eigenvalues[row]).max())
+        size, largest = float(self._sizes(segment.z[row])), float(np.abs(segment.eigenvalues[row]).max())
         text = f"beside a multiplier of {largest:.0e} rounding decides what the others are"
         if size > OUTGROWN:
-            name = self._fastest(self._relative(piece.z[row]))
-            return self._stop(row, piece, "bound", f"{name} has grown to {size:.0e} times its scale; {text}")
-        return self._stop(row, piece, "corrector", text)
+            name = self._fastest(self._relative(segment.z[row]))
+            return self._stop(row, segment, "bound", f"{name} has grown to {size:.0e} times its scale; {text}")
+        return self._stop(row, segment, "corrector", text)
 
-    def _infinite(self, piece: Piece) -> _Stop | None:
-        largest = np.maximum(*map(np.abs, piece.extent))  # whole rows only where an unknown may have grown
+    def _infinite(self, segment: Segment) -> _Stop | None:
+        largest = np.maximum(*map(np.abs, segment.extent))  # whole rows only where an unknown may have grown
         if not self._sizes(largest) >= self._next:
             return None
-        sizes = self._sizes(piece.z)
+        sizes = self._sizes(segment.z)
         for row in np.flatnonzero(sizes >= self._next):
             while sizes[row] >= self._next:
-                self.decades.append(piece.z[row, -len(self.arm.problem.parameters) :] / self._widths)
+                self.decades.append(segment.z[row, -len(self.arm.problem.parameters) :] / self._widths)
             if self._converges():
-                name = self._fastest(self._relative(piece.z[row]))
+                name = self._fastest(self._relative(segment.z[row]))
                 text = f"{name} grows without bound: {sizes[row]:.0e} times its scale"
-                return self._stop(int(row), piece, "bound", text)
+                return self._stop(int(row), segment, "bound", text)
         return None
 
     @property
@@ -191,20 +191,20 @@ class _Record:
         largest = int(np.argmax(relative))
         return names[largest] if largest < len(names) else "the state"
 
-    def _approaching(self, piece: Piece, size: float, values: tuple[float, float]) -> _Stop | None:
+    def _approaching(self, segment: Segment, size: float, values: tuple[float, float]) -> _Stop | None:
         """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows.
 
         values : the least and the greatest of the parameter.
         """
-        before, self.last = self.last, piece.z[-1].copy()
+        before, self.last = self.last, segment.z[-1].copy()
         near = (NEAR_GROWN if size > GROWN else NEAR) * self._width
         if not any(values[0] - bound < near and bound - values[1] < near for bound in self.arm.bounds):
             self.approaching = 0
             return None
         bounds = np.array(self.arm.bounds)
-        rows = np.vstack([before[None], piece.z])
+        rows = np.vstack([before[None], segment.z])
         distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
-        steps = np.linalg.norm(np.diff(rows, axis=0) / piece.scale, axis=1)
+        steps = np.linalg.norm(np.diff(rows, axis=0) / segment.scale, axis=1)
         nearer = (distance[1:] > 0.0) & (distance[1:] <= distance[:-1]) & (distance[1:] < near)
         counted = nearer & (steps > LONG)
         if not counted.any():
@@ -213,18 +213,18 @@ class _Record:
         for row, counts in enumerate(counted):
             self.approaching = self.approaching + 1 if counts else 0
             if self.approaching == APPROACHING:
-                bound = bounds[np.argmin(np.abs(bounds - piece.z[row, -1]))]
-                return self._stop(row, piece, "bound", f"the branch approaches {bound:g} ever more closely")
+                bound = bounds[np.argmin(np.abs(bounds - segment.z[row, -1]))]
+                return self._stop(row, segment, "bound", f"the branch approaches {bound:g} ever more closely")
         return None
 
-    def _nearing(self, piece: Piece) -> _Stop | None:
+    def _nearing(self, segment: Segment) -> _Stop | None:
         """A locus that comes ever nearer to the bound of a parameter, but not onto it, while the others hardly move."""
         problem = self.arm.problem
         walls = problem.walls if in_two_parameters(problem) else ()
-        parameters = piece.z[:, [place for place, _, _ in walls]]
+        parameters = segment.z[:, [place for place, _, _ in walls]]
         widths = np.array([high - low if np.isfinite(high - low) else 1.0 for _, low, high in walls])
         for name, (place, low, high) in zip(reversed(problem.parameters[: len(walls)]), walls, strict=True):
-            values = piece.z[:, place]
+            values = segment.z[:, place]
             distances = np.minimum(np.abs(values - low), np.abs(values - high))
             if not (np.isfinite(high - low) and distances.min() < NEAR * (high - low)):
                 self.nearing.pop(name, None)
@@ -236,25 +236,29 @@ class _Record:
                 self.nearing[name] = distance, rows
                 if len(rows) == NEARING and np.all(np.ptp(rows, axis=0) <= STAYING * widths):
                     bound = low if abs(values[row] - low) < abs(values[row] - high) else high
-                    return self._stop(row, piece, "bound", f"the curve approaches {name} = {bound:g} ever more closely")
+                    return self._stop(
+                        row, segment, "bound", f"the curve approaches {name} = {bound:g} ever more closely"
+                    )
         return None
 
-    def _unmoved(self, piece: Piece, values: tuple[float, float]) -> _Stop | None:
-        rows, last, place = len(piece.z), len(piece.z) - 1, float(self.anchor[-1])
+    def _unmoved(self, segment: Segment, values: tuple[float, float]) -> _Stop | None:
+        rows, last, place = len(segment.z), len(segment.z) - 1, float(self.anchor[-1])
         same = max(abs(values[0] - place), abs(values[1] - place)) <= VERTICAL * self._width
-        still = same and bool(np.all(np.abs(piece.z - self.anchor) / piece.scale <= STILL))
+        still = same and bool(np.all(np.abs(segment.z - self.anchor) / segment.scale <= STILL))
         self.vertical = self.vertical + rows if same else 0
         self.standing = self.standing + rows if still else 0
         if not same:
-            self.anchor = piece.z[-1].copy()
+            self.anchor = segment.z[-1].copy()
         if self.standing >= PATIENCE:
-            advice = self.arm.problem.describe_failure(piece.z[-1])
-            return self._stop(last, piece, "corrector", f"the branch stands still, {self.standing} rows long. {advice}")
+            advice = self.arm.problem.describe_failure(segment.z[-1])
+            return self._stop(
+                last, segment, "corrector", f"the branch stands still, {self.standing} rows long. {advice}"
+            )
         if self.vertical >= PATIENCE and self.standing == 0:
-            return self._stop(last, piece, "bound", f"the parameter has not moved in {self.vertical} rows")
+            return self._stop(last, segment, "bound", f"the parameter has not moved in {self.vertical} rows")
         return None
 
-    def _stop(self, row: int, piece: Piece, reason: str, text: str) -> _Stop:
-        value = float(piece.z[row, -1])
+    def _stop(self, row: int, segment: Segment, reason: str, text: str) -> _Stop:
+        value = float(segment.z[row, -1])
         where = f"at {self.arm.problem.parameters[0]} = {value:.10g}"
         return _Stop(row, End(reason, f"{where}, {text}", {"value": value}))

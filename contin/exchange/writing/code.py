@@ -20,7 +20,7 @@ SHORT: Final = 24  # characters of a shared part that is written again rather th
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class WrittenNode:
     """The text of a node, without its sign."""
 
     negative: bool
@@ -48,7 +48,7 @@ class Code:
         self.language, self.symbols, self.fresh = language, symbols, fresh
         self.longest = split or language.longest
         self.assigned: list[tuple[str, str]] = []
-        self.known: dict[Expression, Piece] = {}
+        self.known: dict[Expression, WrittenNode] = {}
         self.shared: Counter[Expression] = Counter()
 
     def share(self, roots: Iterable[Expression]) -> None:
@@ -62,38 +62,38 @@ class Code:
         text = self.text(node)
         self.assigned.append((name, text))
         if node.args and not _condition(node):
-            self.known[node] = Piece(False, name, ATOM)
+            self.known[node] = WrittenNode(False, name, ATOM)
 
     def text(self, node: Expression) -> str:
         """The formula of a node."""
         for part in postorder([node], self.known):
-            self.known[part] = self._kept(part, self._piece(part))
+            self.known[part] = self._kept(part, self._written(part))
         return self.known[node].at(SUM)
 
-    def _kept(self, node: Expression, piece: Piece) -> Piece:
-        """The piece, or a name that is assigned to it where it is long, or used often."""
+    def _kept(self, node: Expression, written: WrittenNode) -> WrittenNode:
+        """What is written, or a name that is assigned to it where it is long, or used often."""
         if self.fresh is None or not node.args or _condition(node):
-            return piece
-        often = self.shared[node] > 1 and len(piece.body) > SHORT
-        if not often and len(piece.body) <= self.longest:
-            return piece
-        return self._named(piece.at(SUM))
+            return written
+        often = self.shared[node] > 1 and len(written.body) > SHORT
+        if not often and len(written.body) <= self.longest:
+            return written
+        return self._named(written.at(SUM))
 
-    def _named(self, text: str) -> Piece:
+    def _named(self, text: str) -> WrittenNode:
         if self.fresh is None:
             raise UnsupportedError(f"a formula of {len(text)} characters is too long")
         name = self.fresh()
         self.assigned.append((name, text))
-        return Piece(False, name, ATOM)
+        return WrittenNode(False, name, ATOM)
 
-    def _piece(self, node: Expression) -> Piece:
+    def _written(self, node: Expression) -> WrittenNode:
         op = node.op
         if op == "number":
             return self._number(numeric_value(node))
         if op == "symbol":
-            return Piece(False, self.symbols[str(node.value)], ATOM)
+            return WrittenNode(False, self.symbols[str(node.value)], ATOM)
         if op == "pi":
-            return Piece(False, self.language.pi, ATOM)
+            return WrittenNode(False, self.language.pi, ATOM)
         args = [self.known[arg] for arg in node.args]
         if op == "add":
             return self._sum(args)
@@ -101,56 +101,56 @@ class Code:
             return self._product(node, args)
         if op == "pow":
             return self._power(node)
-        return Piece(False, self._call(op, [arg.at(SUM) for arg in args]), ATOM)
+        return WrittenNode(False, self._call(op, [arg.at(SUM) for arg in args]), ATOM)
 
-    def _number(self, value: Number) -> Piece:
+    def _number(self, value: Number) -> WrittenNode:
         literal = self.language.number
         if isinstance(value, Fraction):
             exact = abs(value)
             if not finite_decimal(exact) and Fraction(float(exact)) != exact:
                 top, bottom = literal(float(exact.numerator)), literal(float(exact.denominator))
-                return Piece(value < 0, f"{top}/{bottom}", PRODUCT)
+                return WrittenNode(value < 0, f"{top}/{bottom}", PRODUCT)
         if not math.isfinite(value):
             raise UnsupportedError(f"the number {value} cannot be written")
-        return Piece(value < 0, literal(abs(float(value))), ATOM)
+        return WrittenNode(value < 0, literal(abs(float(value))), ATOM)
 
-    def _sum(self, args: list[Piece]) -> Piece:
+    def _sum(self, args: list[WrittenNode]) -> WrittenNode:
         text = args[0].at(SUM)
         for term in args[1:]:
             if self.fresh is not None and len(text) > self.longest:
                 text = self._named(text).body
             text += f" {'-' if term.negative else '+'} {term.product()}"
-        return Piece(False, text, SUM)
+        return WrittenNode(False, text, SUM)
 
-    def _product(self, node: Expression, args: list[Piece]) -> Piece:
+    def _product(self, node: Expression, args: list[WrittenNode]) -> WrittenNode:
         """Factors, and behind them divisors."""
         negative = args[0].negative
         above: list[str] = []
         below: list[str] = []
-        for factor, piece in zip(node.args, args, strict=True):
+        for factor, written in zip(node.args, args, strict=True):
             divisor = _divisor(factor)
             if divisor is not None:
                 below.append(self._reciprocal(factor, divisor))
-            elif piece.negative and factor is node.args[0]:
-                above += [] if piece.body == self.language.number(1.0) else [piece.product()]
+            elif written.negative and factor is node.args[0]:
+                above += [] if written.body == self.language.number(1.0) else [written.product()]
             else:
-                above.append(piece.at(POWER))
+                above.append(written.at(POWER))
         text = "*".join(above) or self.language.number(1.0)
-        return Piece(negative, text + "".join(f"/{part}" for part in below), PRODUCT)
+        return WrittenNode(negative, text + "".join(f"/{part}" for part in below), PRODUCT)
 
     def _reciprocal(self, factor: Expression, exponent: Fraction) -> str:
         base = self.known[factor.args[0]].at(ATOM)
         return base if exponent == 1 else self.language.power.format(base, _integer(exponent, self.language))
 
-    def _power(self, node: Expression) -> Piece:
+    def _power(self, node: Expression) -> WrittenNode:
         base, exponent = node.args
         divisor = _divisor(node)
         if divisor is not None:
-            return Piece(False, f"{self.language.number(1.0)}/{self._reciprocal(node, divisor)}", PRODUCT)
+            return WrittenNode(False, f"{self.language.number(1.0)}/{self._reciprocal(node, divisor)}", PRODUCT)
         value = numeric_value(exponent) if exponent.op == "number" else None
         whole = isinstance(value, Fraction) and value.denominator == 1
         shown = _integer(value, self.language) if whole and value is not None else self.known[exponent].at(ATOM)
-        return Piece(False, self.language.power.format(self.known[base].at(ATOM), shown), POWER)
+        return WrittenNode(False, self.language.power.format(self.known[base].at(ATOM), shown), POWER)
 
     def _call(self, op: str, args: list[str]) -> str:
         language = self.language

@@ -12,7 +12,7 @@ from contin.kernels.building.targets import EVERY
 from contin.kernels.catalogue import every
 from contin.machine import objects, target
 from contin.machine.elementary import FUNCTIONS
-from contin.machine.elementary.code import piece
+from contin.machine.elementary.code import machine_code
 
 DAY_ONE = (1980, 1, 1, 0, 0, 0)  # archives of the same code are the same bytes
 
@@ -29,12 +29,12 @@ def pack(folder: Path, labels: Sequence[str]) -> list[Path]:
     for place, label in enumerate(labels):
         path = folder / f"{label}.zip"
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            for pieces in sorted(made, key=lambda pieces: pieces[0].name):
-                one = pieces[place]
+            for machine_codes in sorted(made, key=lambda machine_codes: machine_codes[0].name):
+                one = machine_codes[place]
                 archive.writestr(zipfile.ZipInfo(one.name, DAY_ONE), objects.to_bytes(one), zipfile.ZIP_DEFLATED)
             for function in FUNCTIONS:
                 for looped in (False, True):
-                    own = piece(function, EVERY[label].machine(), looped=looped)
+                    own = machine_code(function, EVERY[label].machine(), looped=looped)
                     archive.writestr(zipfile.ZipInfo(own.name, DAY_ONE), objects.to_bytes(own), zipfile.ZIP_DEFLATED)
             about = {"target": label, "versions": sources.versions(), "kernels": len(made)}
             archive.writestr(zipfile.ZipInfo("about.json", DAY_ONE), json.dumps(about))

@@ -33,7 +33,10 @@ def main() -> None:
         pairs = [(0, os.dup(1))]
         os.dup2(2, 1)  # nothing that is printed may come between
     else:
-        pairs = [(int(names), int(pieces)) for names, _, pieces in (p.partition(":") for p in sys.argv[2].split(","))]
+        pairs = [
+            (int(names), int(results))
+            for names, _, results in (p.partition(":") for p in sys.argv[2].split(","))
+        ]
     if len(pairs) > 1:
         warm_up()
     serve(*mine(pairs), targets)
@@ -61,17 +64,17 @@ def warm_up() -> None:
     translate(REGISTRY[warming.NAME])
 
 
-def serve(names: int, pieces: int, targets: Sequence[BuildTarget]) -> None:
+def serve(names: int, results: int, targets: Sequence[BuildTarget]) -> None:
     """Make what is asked for, one after the other."""
-    with os.fdopen(names) as wanted, os.fdopen(pieces, "wb") as out:
+    with os.fdopen(names) as wanted, os.fdopen(results, "wb") as out:
         for line in wanted:
-            for piece in made(line.strip(), targets):
-                data = objects.to_bytes(piece)
+            for machine_code in made(line.strip(), targets):
+                data = objects.to_bytes(machine_code)
                 out.write(struct.pack("<Q", len(data)) + data)
             out.flush()
 
 
-def made(name: str, targets: Sequence[BuildTarget]) -> Iterator[objects.Piece]:
+def made(name: str, targets: Sequence[BuildTarget]) -> Iterator[objects.MachineCode]:
     """Machine code of a kernel for every target, under the key of its text."""
     from contin.kernels.building.emit import emit, translation
 
@@ -81,4 +84,4 @@ def made(name: str, targets: Sequence[BuildTarget]) -> Iterator[objects.Piece]:
     translated = translation(name)
     for target in targets:
         emitted = emit(translated, target)
-        yield objects.Piece(name, sources.text_key(module), emitted.needs, emitted.code)
+        yield objects.MachineCode(name, sources.text_key(module), emitted.needs, emitted.code)

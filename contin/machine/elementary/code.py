@@ -13,7 +13,7 @@ from typing import Any
 from contin.machine import kept, target
 from contin.machine.elementary.names import FUNCTIONS, PREFIX, symbol
 from contin.machine.engine import ENGINE
-from contin.machine.objects import Piece
+from contin.machine.objects import MachineCode
 
 _lock = threading.Lock()
 _addresses: dict[str, int] = {}
@@ -57,12 +57,12 @@ def _compile(name: str, wanted: str) -> None:
     import llvmlite
     import llvmlite.binding as llvm
 
-    piece_name = f"elementary.{wanted.removeprefix(PREFIX)}"
+    code_name = f"elementary.{wanted.removeprefix(PREFIX)}"
     made_with = f"{text_key()}\n{llvmlite.__version__}\n{target.label()}"
-    file = f"{piece_name}-{hashlib.sha256(made_with.encode()).hexdigest()[:24]}"
-    found = kept.find(piece_name, text_key(), file)
+    file = f"{code_name}-{hashlib.sha256(made_with.encode()).hexdigest()[:24]}"
+    found = kept.find(code_name, text_key(), file)
     if found is None:
-        found = piece(name, target.object_machine(), looped=wanted != symbol(name))
+        found = machine_code(name, target.object_machine(), looped=wanted != symbol(name))
         kept.keep(found, file)
     ENGINE.add_objects([found.code])
     _addresses[wanted] = ENGINE.address(wanted)
@@ -70,7 +70,7 @@ def _compile(name: str, wanted: str) -> None:
         llvm.add_symbol(wanted, _addresses[wanted])
 
 
-def piece(name: str, machine: Any, *, looped: bool) -> Piece:
+def machine_code(name: str, machine: Any, *, looped: bool) -> MachineCode:
     """Machine code of a function for one of LLVM's target machines; `looped`: of the function over arrays."""
     import llvmlite.binding as llvm
 
@@ -81,7 +81,7 @@ def piece(name: str, machine: Any, *, looped: bool) -> Piece:
     module.triple = machine.triple
     passes = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
     passes.getModulePassManager().run(module, passes)
-    return Piece(f"elementary.{name}{'_many' if looped else ''}", text_key(), (), machine.emit_object(module))
+    return MachineCode(f"elementary.{name}{'_many' if looped else ''}", text_key(), (), machine.emit_object(module))
 
 
 @cache

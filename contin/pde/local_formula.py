@@ -21,7 +21,7 @@ Values = Mapping[str, float]
 NOTHING: frozenset[int] = frozenset()
 
 
-class Piece:
+class LocalFormula:
     """`formula` in slots, parameters and coordinates, at `size` nodes, with the maps of its slots there."""
 
     def __init__(
