@@ -19,7 +19,7 @@ from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
-from contin.bvp.sizes import couplings, filled, moved, noticed
+from contin.bvp.sizes import couplings, filled, moved, noticed, without_remnants
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
 from contin.continuation.seed import Seed
@@ -65,6 +65,8 @@ class BoundaryProblem(BoundaryEquations):
 
         A size that no equation would notice is rounding, and says nothing (`contin.bvp.sizes`).
         """
+        z = without_remnants(self, z)
+        profile = self.profile(z)
         size = np.abs(profile.u).max(axis=0)
         fixed = np.zeros_like(z)
         fixed[-1] = 1.0

@@ -8,18 +8,69 @@ independent of the functions' units.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 
 if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
+    from contin.problems.orbits.mesh.layout import Profile
 
+APART: Final = 1e-8  # ratio of sizes between functions that may be remnants of zeros and the others
+DEGREES: Final = (1, 2, 3, 4)  # of equations that remnants of zeros may obey
 FAINT: Final = 1e-8  # part of the noticed size below which a motion may be what Newton's method has left
 ROUNDING: Final = 1e-18  # part of a number below which nothing is rounding of it
+UNDETERMINED: Final = 64.0 * np.finfo(float).eps  # of the terms of an equation
 UNNOTICED: Final = 1e-11  # part of the noticed size that may be what remains of a zero after a Newton step
+
+
+def without_remnants(problem: BoundaryEquations, z: Array) -> Array:
+    """z with zeros in place of functions that are what Newton's method leaves of a zero, 1e-60 beside others of 1.
+
+    They are small beside the others, no other equation and no condition notices whether they are there, and their own
+    equations are homogeneous in them: doubled, each is 2^k times what it was. So their size is that of nothing. (Small
+    functions in units of their own are noticed by something, or by their own nonlinear terms.)
+    """
+    profile = problem.profile(z)
+    sizes = np.abs(profile.u).max(axis=0)
+    for bound in np.unique(sizes)[::-1]:
+        small = (sizes <= bound) & (sizes > 0.0)
+        others = sizes[~small]
+        if others.any() and bound < APART * others[others > 0.0].min() and _is_remnant(problem, profile, z, small):
+            u = np.where(small, 0.0, profile.u)
+            return replace(profile, u=u).vector()
+    return z
+
+
+def _is_remnant(problem: BoundaryEquations, profile: Profile, z: Array, small: NDArray[np.bool_]) -> bool:
+    p = np.tile(problem.full_parameters(z), (len(profile.u), 1))
+    p[:, -1] = profile.times
+    values, ends = [], []
+    for factor in (1.0, 2.0, 0.0):
+        u = np.where(small, factor * profile.u, profile.u)
+        values.append(np.asarray(problem.two.system.jacobians(u, p)[0])[:, : problem.n])
+        ends.append(problem.two.conditions.jacobian(u[0], u[-1], p[0, :-1]))
+    if not all(np.isfinite(f).all() and np.isfinite(g[0]).all() for f, g in zip(values, ends, strict=True)):
+        return False
+    once, twice, without = values
+    sizes = np.abs(profile.u).max(axis=0)
+    slack = UNDETERMINED * np.maximum(np.abs(once).max(axis=0), sizes)
+    own = np.zeros(len(sizes), dtype=bool)
+    for k in DEGREES:
+        own |= (np.abs(twice - 2.0**k * once) <= 2.0**k * UNDETERMINED * np.abs(once).max(axis=0)).all(axis=0)
+    unchanged = ((np.abs(twice - once) <= slack) & (np.abs(without - once) <= slack)).all(axis=0)
+    zero = (np.abs(without) <= slack).all(axis=0)
+    (g, by_ends), (g2, _), (g0, _) = ends
+    noticed = np.abs(np.asarray(by_ends)[:, : 2 * len(sizes)])
+    loose = UNDETERMINED * (noticed @ np.tile(sizes, 2))
+    kept = (np.abs(g2 - g) <= loose) & (np.abs(g0 - g) <= loose) | (np.abs(g2 - 2.0 * g) <= loose) & (
+        np.abs(g0) <= loose
+    )
+    return bool(np.where(small, own & zero, unchanged).all() and kept.all())
 
 
 def couplings(problem: BoundaryEquations, z: Array) -> Array:
