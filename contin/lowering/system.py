@@ -22,7 +22,7 @@ from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
 from contin.model.kinds import need_autonomous, need_no_events, need_states
 from contin.model.model import Model
-from contin.model.parts import Constraints
+from contin.model.parts import Constraints, VanishingMass
 from contin.model.printing import to_text
 from contin.symbolic.calculus.derivatives import derivative
 from contin.symbolic.calculus.remove_singularities import remove_singularities
@@ -66,6 +66,7 @@ class CompiledSystem:
         self.written, self.regular, self.timed = model, regular, timed
         self.model = model = index_one(model)
         self.constraints = model.constraints if isinstance(model, Model) else None
+        self.vanishing = model.vanishing if isinstance(model, Model) else ()
         self.kind = model.kind
         self.state_names = tuple(model.state_names)
         self.parameter_names = tuple(model.parameter_names)
@@ -196,6 +197,10 @@ class CompiledSystem:
         """Of N states, (N,): the index is 1 where these do not vanish."""
         return self._calls.vectors(self._call("index"), self._address("index"), 1, u, p).reshape(-1)
 
+    def masses(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Determinants of M's blocks that depend on parameters (`vanishing`) at N points, (N, blocks)."""
+        return self._calls.vectors(self._call("masses"), self._address("masses"), len(self.vanishing), u, p)
+
     def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
         """Images of N states, (N, n), under a declared symmetry of the model: u (N, n), p (N, p_size) or (p_size,)."""
         index = [s.name for s in self.model.symmetries].index(name)
@@ -278,7 +283,8 @@ class CompiledSystem:
             suspects = {"d({})/d({})".format(*names): derivative(self._equations[row], names[1])}
         reason = explain_not_finite(suspects, dict(zip(self.layout.names, z.tolist(), strict=True)))
         first = self.state_names[bad_rows[0]] if len(bad_rows) else next(iter(suspects))
-        return f"not finite at this point: {reason or f'equation {first}'}"
+        massless = "" if not self.vanishing else massless_at(self.vanishing, self.masses(u, p).reshape(-1))
+        return f"not finite at this point: {reason or f'equation {first}'}{massless}"
 
     def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which observable is not finite at this point and why; None if all are."""
@@ -322,12 +328,20 @@ class CompiledSystem:
             return vector_routine(name, [limit.margin for limit in self.limits], self.layout)
         if self.constraints is not None and (parts := algebraic_parts(self.constraints, name)):
             return vector_routine(name, parts, self.layout)
+        if name == "masses":
+            return vector_routine(name, [mass.determinant for mass in self.vanishing], self.layout)
         if name in ("observe", "switches"):
             expressions = self._observables if name == "observe" else self.switching
             return vector_routine(name, expressions, self.layout) if expressions else None
         if name == "gradient":
             return gradient_routine(name, self._equations, self.layout)
         return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
+
+
+def massless_at(vanishing: Sequence[VanishingMass], determinants: Array) -> str:
+    """That masses vanish at a point, and what to do; empty where none does."""
+    gone = [mass for mass, value in zip(vanishing, determinants, strict=True) if value == 0.0]
+    return f". Here {gone[0].words()}" if gone else ""
 
 
 def algebraic_parts(constraints: Constraints, name: str) -> Sequence[Expression]:

@@ -36,6 +36,7 @@ from contin.model.parts import (
     State,
     Symmetry,
     Total,
+    VanishingMass,
 )
 from contin.model.relations import Relation
 from contin.model.scope import Function
@@ -47,6 +48,7 @@ PARTS: Final = {
     for kind in (
         Averaging, Condition, Constraints, Event, Expectation, Forcing, Function, Functional, Interval, Limit,
         Oscillator, Parameter, Relation, Rotator, Start, State, Symmetry, Total,
+        VanishingMass,
     )
 }  # fmt: skip
 OPERATIONS: Final = frozenset({"number", "symbol", "pi", "add", "mul", "pow", "if"}) | COMPARISONS | LOGICAL | FUNCTIONS

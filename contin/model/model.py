@@ -49,7 +49,8 @@ class Model(ModelParts):
     printing. `labels`: what tables of simulations call a state or an observable.
 
     `mass`: rows of the matrix M in M d(state)/dt = equations, {state: {state: entry}}; rows left out are those of the
-    identity. `constraints`: set by the pass that turns such a flow into one without M (`symbolic.passes.index_one`).
+    identity. `constraints`, `vanishing`: set by the pass that turns such a flow into one without M
+    (`symbolic.passes.index_one`).
     """
 
     def __init__(self, name: str, **entries: object) -> None:

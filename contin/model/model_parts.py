@@ -22,6 +22,7 @@ from contin.model.parts import (
     State,
     Symmetry,
     Total,
+    VanishingMass,
 )
 from contin.model.scope import Function
 
@@ -54,6 +55,7 @@ class ModelParts:
     functionals: Mapping[str, Functional] = field(default_factory=dict)
     mass: Mapping[str, Mapping[str, Expression]] = field(default_factory=dict)
     constraints: Constraints | None = None
+    vanishing: tuple[VanishingMass, ...] = ()  # set by the same pass
     expect: tuple[Expectation, ...] = ()
     conserved: bool = True  # branches are followed at fixed conserved totals (`contin.symbolic.passes.conserved`)
     totals: tuple[Total, ...] = ()  # the pass has done so

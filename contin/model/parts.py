@@ -92,6 +92,23 @@ class Constraints:
 
 
 @dataclass(frozen=True)
+class VanishingMass:
+    """What the rates of these states are divided by, a formula in parameters (`symbolic.passes.index_one`)."""
+
+    states: tuple[str, ...]
+    determinant: Expression
+
+    def words(self) -> str:
+        """What it means that it vanishes, and what to do."""
+        first, several = self.states[0], len(self.states) > 1
+        return (
+            f"the mass of {', '.join(self.states)} vanishes: {'an equation is' if several else 'the equation is'} "
+            "algebraic there, and an eigenvalue is infinite. That case is a model of its own, with "
+            + (f"a row of zeros in `mass`, such as `mass: {{{first}: 0}}`" if several else f"`mass: {{{first}: 0}}`")
+        )
+
+
+@dataclass(frozen=True)
 class Oscillator:
     """The two states of one weakly nonlinear oscillator, of a frequency near `harmonic` times the base frequency."""
 

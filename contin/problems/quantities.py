@@ -26,7 +26,7 @@ class Quantities:
     def _systems(self) -> tuple[CompiledSystem, ...]:
         n = len(self.model.states)
         bare = self.model.replace(
-            constraints=None, mass={}, symmetries=(), limits=(), observables={}, rotation={}
+            constraints=None, vanishing=(), mass={}, symmetries=(), limits=(), observables={}, rotation={}
         )
         parts = [self.formulas[k : k + n] for k in range(0, len(self.formulas), n)]
         return tuple(compile_system(bare.replace(equations=(*part, *[ZERO] * (n - len(part))))) for part in parts)

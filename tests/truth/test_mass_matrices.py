@@ -197,8 +197,35 @@ def test_a_mass_that_is_zero_at_the_defaults_alone_is_a_mass():
     model = contin.Model(**with_algebraic(BRUSSELATOR, "x^2*y") | {"parameters": {"B": 1, "e": 0}, "mass": {"w": "e"}})
     line = contin.continuation(contin.equilibrium(model, parameters={"e": -1e-3}), "B", (0, 4))
     assert line["HB1"].values["B"] == pytest.approx(2.0, abs=5e-3)
-    with pytest.raises(NotFiniteError, match="division by zero, 'e' = 0"):
+    with pytest.raises(NotFiniteError, match=r"division by zero, 'e' = 0.*the mass of w vanishes.*`mass: {w: 0}`"):
         contin.equilibrium(model)
+
+
+@pytest.mark.parametrize(("mass", "bounds", "unit"), [
+    ({"y": "e"}, (-1, 1), 1.0), ({"y": "e"}, (0, 10), 1.0),
+    ({"y": "e", "z": "2*e"}, (-1, 1), 1.0), ({"y": {"y": "e", "z": 0.1}, "z": {"y": 0.1, "z": "e"}}, (-1, 1), 1.0),
+    ({"y": "e/1e-9"}, (-1, 1), 1e-9),
+])  # fmt: skip
+def test_a_branch_ends_in_words_where_a_mass_vanishes(mass, bounds, unit):
+    """m(e) y' = y - y^3/3 - z + .5: the state does not move with e, every row has the eigenvalues of its pencil."""
+    model = contin.Model(
+        name="relaxation", states={"y": -1, "z": 0}, parameters={"e": 0.7 * unit}, mass=mass,
+        equations={"y": "y - y^3/3 - z + 0.5", "z": "y + 0.7 - 0.8*z"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "e", (bounds[0] * unit, bounds[1] * unit))
+    zero = 0.1 * unit if isinstance(mass["y"], dict) else 0.0  # e^2 = .01
+    assert "mass of y" in line.ends[0].text
+    assert line.ends[0].data["at"]["e"] == pytest.approx(zero, abs=1e-9 * unit)
+    assert line.columns["e"][0] > zero
+    assert line.columns["e"][0] == pytest.approx(zero, abs=1e-5 * unit)
+    assert line.unexplained == 0
+    y = line.columns["y"][0]
+    a = np.array([[1 - y * y, -1.0], [1.0, -0.8]])
+    for row in (0, len(line) // 2):
+        e = line.columns["e"][row] / unit
+        m = {1: np.diag([e, 1]), 2: np.array([[e, 0.1], [0.1, e]])}[2 if zero else 1]
+        m = np.diag([e, 2 * e]) if "z" in mass and not zero else m
+        assert line.columns["unstable"][row] == np.sum(np.linalg.eigvals(np.linalg.solve(m, a)).real > 0)
 
 
 @pytest.mark.parametrize(("mass", "matrix"), [

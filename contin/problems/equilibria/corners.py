@@ -88,7 +88,8 @@ def one_corner_a_step(problem: AlgebraicEquations, chunk: Chunk, scale: Array) -
     crossed = before * after < 0.0
     for k in np.flatnonzero(np.any(crossed, axis=1)):
         length = float(chunk.lengths[k + 1])
-        places = (length * before[k] / (before[k] - after[k]))[crossed[k]]
+        ahead, behind = before[k][crossed[k]], after[k][crossed[k]]
+        places = length * ahead / (ahead - behind)
         if np.ptp(places) > APART:
             return chunk.cut(int(k) + 1, Stop.LIMIT, length / 4.0)
         if _off_its_arm(problem, chunk.z[k + 1], scale):

@@ -39,7 +39,7 @@ from contin.problems.equilibria.equations import AlgebraicEquations
 from contin.problems.equilibria.normal_forms import with_normal_form
 from contin.problems.equilibria.rounding_of_tests import branch_point_is_lost, pair_is_lost
 from contin.problems.equilibria.scaled import ScaledSystem
-from contin.problems.equilibria.singularity_induced import cut_before_pole, end_at_pole
+from contin.problems.equilibria.singularity_induced import cut_before_pole, end_at_pole, end_without_mass, has_poles
 from contin.problems.equilibria.start_metric import scales_at
 from contin.problems.equilibria.tangent_branches import beyond
 from contin.problems.neutral_pairs import NeutralMarch, is_neutral
@@ -49,7 +49,7 @@ from contin.problems.surfaces import boundary
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 from contin.simulate.natural import guessed_note
-from contin.simulate.reach import has_reach, is_constrained, left_reach
+from contin.simulate.reach import has_reach, left_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.translations import translation_notes
 from contin.systems.iterate import IteratedSystem
@@ -166,7 +166,7 @@ class EquilibriumProblem(AlgebraicEquations):
             dense = NeutralMarch(self, frame.scale)
             return python_march.march(dense, origin, before, length, frame, step, limit, bounds, settings, loop)
         chunk = in_kernel.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
-        if is_constrained(self.system):
+        if has_poles(self.system):
             chunk = cut_before_pole(self.system, chunk, self.rows_of_parameters(chunk.z), self.n)
         return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk), frame.scale)
 
@@ -179,7 +179,9 @@ class EquilibriumProblem(AlgebraicEquations):
         def probe(base: Sample, length: float) -> Sample | None:
             return self.probe(base, length, base.z + length * frame.scale * base.tangent, frame, Settings())
 
-        pole = end_at_pole(self.system, origin, frame, self.parameters[0], determinant, probe)
+        pole = end_without_mass(self.system, origin, frame, self.parameters[0], self.rows_of_parameters) or end_at_pole(
+            self.system, origin, frame, self.parameters[0], determinant, probe
+        )
         return pole or boundary.foretold(self, origin, frame)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

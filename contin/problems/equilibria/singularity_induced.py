@@ -2,7 +2,8 @@
 
 The branch of equilibria itself goes on smoothly (a singularity-induced bifurcation: Venkatasubramanian, Schaettler and
 Zaborszky, IEEE Trans. Autom. Control 40 (1995) 1992), but the flow does not: beyond, the index has been above 1, and
-solutions that begin beside it do not lead across. The branch ends there and says so.
+solutions that begin beside it do not lead across. The branch ends there and says so. So does one along which a mass
+changes its sign: where it vanishes its equation is algebraic, and a rate infinite.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from contin.lowering.system import CompiledSystem
 from contin.simulate.reach import POLE
 from contin.systems.protocol import System
 
+NEAR_MASSLESS: Final = 1e-7  # the same, of a vanishing mass: nothing but rates grow there
 NEAR: Final = 1e-4  # scaled length of a step across the singularity from which it is approached no further
 SHORTER: Final = 8.0
 AHEAD: Final = 4.0  # in units of NEAR: where the singularity is looked for
@@ -27,13 +29,23 @@ ITERATIONS: Final = 6
 Probe = Callable[[Sample, float], Sample | None]
 
 
+def has_poles(system: System) -> bool:
+    """True where a branch may come to a singularity of algebraic equations, or to a mass that vanishes."""
+    return isinstance(system, CompiledSystem) and bool(system.vanishing or system.constraints is not None)
+
+
 def cut_before_pole(system: System, chunk: Chunk, parameters: Array, n: int) -> Chunk:
     """The chunk up to the first step across a singularity, or to the row that is `NEAR` it; parameters : of its rows.
 
     Closer to it corrections and eigenvalues are rounding: what is divided by vanishes.
     """
-    if not isinstance(system, CompiledSystem) or system.constraints is None or len(chunk) < 2:
+    if not isinstance(system, CompiledSystem) or len(chunk) < 2:
         return chunk
+    if system.vanishing:
+        chunk = _cut_before_massless(system, chunk, parameters, n)
+    if system.constraints is None or len(chunk) < 2:
+        return chunk
+    parameters = parameters[: len(chunk)]
     values = system.index_determinants(np.ascontiguousarray(chunk.z[:, :n]), parameters)
     beyond = np.flatnonzero(~(values * np.sign(values[0]) > 0.0))
     first = int(beyond[0]) if beyond.size else len(chunk)
@@ -44,11 +56,42 @@ def cut_before_pole(system: System, chunk: Chunk, parameters: Array, n: int) -> 
         return chunk.cut(row + 1, Stop.CORRECTOR, float(chunk.lengths[row]))
     if not beyond.size:
         return chunk
-    row = max(first, 1)
+    return _nearer(chunk, max(first, 1), NEAR)
+
+
+def _nearer(chunk: Chunk, row: int, near: float) -> Chunk:
+    """The chunk before a row that is across, with a shorter step to go on with, down to `near`."""
     length = float(chunk.lengths[row])
-    if length > NEAR:
-        return chunk.cut(row, Stop.LIMIT, max(length / SHORTER, 0.5 * NEAR))
+    if length > near:
+        return chunk.cut(row, Stop.LIMIT, max(length / SHORTER, 0.5 * near))
     return chunk.cut(row, Stop.CORRECTOR, length)
+
+
+def _cut_before_massless(system: CompiledSystem, chunk: Chunk, parameters: Array, n: int) -> Chunk:
+    values = system.masses(np.ascontiguousarray(chunk.z[:, :n]), parameters)
+    beyond = np.flatnonzero((~(values * np.sign(values[0]) > 0.0)).any(axis=1))
+    return _nearer(chunk, max(int(beyond[0]), 1), NEAR_MASSLESS) if beyond.size else chunk
+
+
+def end_without_mass(
+    system: System, origin: Sample, frame: Frame, name: str, rows_of_parameters: Callable[[Array], Array]
+) -> Renewal | None:
+    """The end of a branch just before a parameter at which a mass vanishes; None where there is none ahead.
+
+    name : of the parameter, on which alone masses depend.  rows_of_parameters : of points z (N, n + 1).
+    """
+    if not isinstance(system, CompiledSystem) or not system.vanishing:
+        return None
+    z = np.array([origin.z, origin.z + AHEAD * NEAR_MASSLESS * frame.scale * origin.tangent])
+    values = system.masses(np.ascontiguousarray(z[:, : len(system.state_names)]), rows_of_parameters(z))
+    for mass, along in zip(system.vanishing, values.T, strict=True):
+        if along[0] * along[1] > 0.0:
+            continue
+        share = along[0] / (along[0] - along[1])
+        at = float(z[0, -1] + share * (z[1, -1] - z[0, -1]))
+        text = f"{name} comes to {at:.6g}, where {mass.words()}"
+        return Renewal(frame.scale, origin, None, None, End("bound", text, {"at": {name: at}}))
+    return None
 
 
 def end_at_pole(

@@ -29,10 +29,10 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
-from contin.model.expression import ONE, ZERO, Expression, add, mul, neg, number, sub
+from contin.model.expression import ONE, ZERO, Expression, add, mul, neg, number, sub, symbols_in
 from contin.model.kept import kept_with
 from contin.model.model import Model
-from contin.model.parts import TIME, Constraints
+from contin.model.parts import TIME, Constraints, VanishingMass
 from contin.model.source import CallSource, Problems
 from contin.model.symmetry import check_symmetries
 from contin.symbolic.calculus.derivatives import sparse_jacobian
@@ -130,9 +130,10 @@ def _reduced(model: Model) -> Model:
     names, split = model.state_names, _split(model)
     coefficients = FormulaSolver.of([[split.mass[i][j] for j in split.y] for i in split.moving])
     rates = coefficients.solve([model.equations[i] for i in split.moving])
+    vanishing = _vanishing(model, split, coefficients)
     if not split.still:
         equations = dict(zip(split.y, rates, strict=True))
-        return model.replace(equations=tuple(equations[k] for k in range(len(names))), mass={})
+        return model.replace(equations=tuple(equations[k] for k in range(len(names))), mass={}, vanishing=vanishing)
     spread = [coefficients.solve([split.mass[i][j] for i in split.moving]) for j in split.z]  # columns of K
     g = [model.equations[i] for i in split.still]
     slopes = sparse_jacobian(g, names)
@@ -170,7 +171,19 @@ def _reduced(model: Model) -> Model:
         tuple(names[i] for i in split.still), tuple(g), massless, tuple(correction[k] for k in order),
         solver.determinant, rate,
     )  # fmt: skip
-    return model.replace(equations=tuple(equations[k] for k in order), mass={}, constraints=constraints)
+    return model.replace(
+        equations=tuple(equations[k] for k in order), mass={}, constraints=constraints, vanishing=vanishing
+    )
+
+
+def _vanishing(model: Model, split: Split, coefficients: FormulaSolver) -> tuple[VanishingMass, ...]:
+    """The determinants of M's blocks that depend on parameters, each with the states of its equations."""
+    blocks = zip(coefficients.blocks, coefficients.determinants, strict=True)
+    return tuple(
+        VanishingMass(tuple(model.state_names[split.moving[r]] for r in rows), determinant)
+        for (rows, _), determinant in blocks
+        if symbols_in([determinant])
+    )
 
 
 def _solver(model: Model, split: Split, matrix: Sequence[Sequence[Expression]]) -> FormulaSolver:
