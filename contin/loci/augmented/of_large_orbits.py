@@ -27,10 +27,9 @@ from contin.loci.augmented.curve_equations import CurveEquations
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.large_orbits import LargeOrbitBase
 from contin.machine import elementary
-from contin.problems.large_orbits.events import critical_index
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.large_orbit_equations import Memory
-from contin.problems.large_orbits.multipliers import REAL
+from contin.problems.large_orbits.multipliers import REAL, critical_index
 from contin.problems.large_orbits.sweeps import Sweeps
 from contin.problems.two_parameters import indices
 

@@ -16,7 +16,9 @@ from contin.abi import Array
 from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
-from contin.problems.large_orbits.events import SAFETY, critical_index, excess
+from contin.problems.large_orbits.crossing import Place, with_kind
+from contin.problems.large_orbits.events import SAFETY, excess
+from contin.problems.large_orbits.multipliers import critical_index
 from contin.problems.sparse.special_points import At, point_at
 
 if TYPE_CHECKING:
@@ -62,30 +64,35 @@ def verify(problem: LargeOrbitEquations, near: Sample, frame: Frame) -> Outcome:
     if k is None:
         return unverified("BPC", "the multiplier that crosses is lost")
     others = np.delete(multipliers, k)
-    error = 2.0 * abs(float(other[-1] - z[-1])) + _moved_by_mesh(problem, base, frame, centre, line / length, z)
-    return Verified(
+    fine = _on_finer_mesh(problem, base, frame, centre, line / length)
+    moved = np.inf if fine is None else SAFETY * abs(float(fine.z[-1] - z[-1]))
+    error = 2.0 * abs(float(other[-1] - z[-1])) + moved
+    point = Verified(
         "BPC", z, max(residual, abs(float(multipliers[k].real) - 1.0)), error,
         np.append(1.0 + 0.0j, multipliers), int(np.sum(np.abs(others) > 1.0)), {},
         {"q": vectors[:, k].real, "own": tangent / norm(tangent)},
     )  # fmt: skip
+    return with_kind(point, Place(problem, z, tangent * frame.scale), fine)
 
 
-def _moved_by_mesh(
-    problem: LargeOrbitEquations, base: Sample, frame: Frame, centre: float, line: Array, z: Array
-) -> float:
-    """How far the parameter is from that of the flow, by the same interpolation on a mesh of half the lengths."""
+def _on_finer_mesh(
+    problem: LargeOrbitEquations, base: Sample, frame: Frame, centre: float, line: Array
+) -> Place | None:
+    """The branch point by the same interpolation on a mesh of half the lengths; None where that fails."""
     fine = problem.on_half_lengths(base.z, base.tangent, frame.scale)
     if fine is None:
-        return float("inf")
+        return None
     finer, there, scale = fine
     start = replace(base, z=there.z, tangent=there.tangent)
     _, moved, _ = problem.finer()
     found = _samples(finer, start, Frame(scale), centre + APART[-1] * PLACES, moved(line))
     if found is None:
-        return float("inf")
+        return None
     places, points, values = found
     zero = _zero(places, values)
-    return SAFETY * abs(float(_interpolated(places, np.array([at.z[-1] for at in points]), zero) - z[-1]))
+    z = _interpolated(places, np.array([at.z for at in points]), zero)
+    tangent = _interpolated(places, np.array([at.tangent for at in points]), zero)
+    return Place(finer, z, tangent * scale) if np.all(np.isfinite(z)) else None
 
 
 def _samples(

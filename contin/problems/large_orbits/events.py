@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
-from contin.problems.large_orbits.multipliers import REAL
-from contin.problems.sparse.special_points import At, Zero, secant
+from contin.problems.large_orbits.multipliers import critical_index
+from contin.problems.large_orbits.normal_form import with_normal_form
+from contin.problems.sparse.special_points import At, Zero, point_at, secant
 
 if TYPE_CHECKING:
+    from contin.abi import Array
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 
 RESIDUAL_LIMIT: Final = 1e-7
@@ -27,6 +28,8 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     seen = fold + pairs + turned
     if moved == 0 and not seen and not one:
         return ()
+    if moved == 0 and pairs and seen == 1 and not one and _stay_outside(a, b):
+        return ()  # two real multipliers have met there, or parted
     if fold and moved <= 1 and seen == 1:
         return ("LPC",)
     if turned and moved == 1 and seen == 1 and not one:
@@ -36,6 +39,14 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("BPC",) if moved == 1 and not seen else None
 
 
+def _stay_outside(a: Sample, b: Sample) -> bool:
+    """True where every multiplier outside the circle moves by less than its distance from it."""
+    before, after = (
+        np.sort(elementary.log(moduli[moduli > 1.0])) for moduli in map(np.abs, (a.eigenvalues, b.eigenvalues))
+    )
+    return len(before) == len(after) and bool(np.all(np.abs(after - before) < np.minimum(before, after)))
+
+
 def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The orbit of this type near a sample, by the secant method along the family."""
     found = secant(problem, near, frame, lambda at: _measured(problem, at, type_))
@@ -43,7 +54,8 @@ def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame)
         return unverified(type_, f"no orbit with {WORDS.get(type_, 'a turning parameter')} nearby")
     at, left = found.at, found.left
     residual = max(at.residual, abs(left))
-    error = found.error + moved_by_mesh(problem, type_, found, frame)
+    moved, fine = on_finer_mesh(problem, type_, found, frame)
+    error = found.error + moved
     if not (residual < RESIDUAL_LIMIT and np.isfinite(found.error)):
         return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     values, vectors = problem.multipliers(at.z, exactly=True)
@@ -56,10 +68,11 @@ def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame)
     others = np.delete(values, chosen)
     form = {"theta": float(abs(elementary.angle(values[critical])))} if type_ == "NS" else {}
     unstable = int(np.sum(np.abs(others) > 1.0))
-    return Verified(
+    point = Verified(
         type_, at.z, residual, float(error), np.append(1.0 + 0.0j, values), unstable, form,
         {"q": vectors[:, critical]},
     )  # fmt: skip
+    return with_normal_form(point, (problem, at.z), fine)
 
 
 def _measured(problem: LargeOrbitEquations, at: At, type_: str) -> float:
@@ -67,33 +80,37 @@ def _measured(problem: LargeOrbitEquations, at: At, type_: str) -> float:
     return float(at.tangent[-1]) if type_ == "LPC" else excess(problem, at, type_)
 
 
-def moved_by_mesh(problem: LargeOrbitEquations, type_: str, found: Zero, frame: Frame) -> float:
-    """How far the parameter of a special orbit is from that of the flow, by a mesh of half the lengths.
+def on_finer_mesh(
+    problem: LargeOrbitEquations, type_: str, found: Zero, frame: Frame
+) -> tuple[float, tuple[LargeOrbitEquations, Array] | None]:
+    """How far the parameter of a special orbit is from that of the flow, by a mesh of half the lengths, and the orbit
+    of this type there.
 
-    One orbit is solved for there, on the plane normal to the family; on both meshes the measure has one slope. Infinite
+    One orbit is solved for, on the plane normal to the family; on both meshes the measure has about one slope. Infinite
     where that orbit is not found, or has no such multiplier.
     """
     fine = problem.on_half_lengths(found.at.z, found.at.tangent, frame.scale)
     if fine is None or found.slope == 0.0:
-        return float("inf")
-    finer, there, _ = fine
-    ahead = -_measured(finer, there, type_) / found.slope
+        return float("inf"), None
+    finer, there, scale = fine
+    measured = _measured(finer, there, type_)
+    ahead = -measured / found.slope
     moved = (there.z[-1] - found.at.z[-1]) / frame.scale[-1] + ahead * there.tangent[-1]
     if type_ == "LPC":
         moved += 0.5 * found.slope * elementary.square(ahead)
-    return SAFETY * abs(float(moved)) * float(frame.scale[-1])
+    error = SAFETY * abs(float(moved)) * float(frame.scale[-1])
+    return error, (finer, _there(finer, type_, there, measured, ahead, scale)) if np.isfinite(error) else None
 
 
-def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:
-    """Index of the multiplier of a type."""
-    real = np.abs(values.imag) <= REAL * np.abs(values)
-    kind = values.imag > REAL * np.abs(values) if type_ == "NS" else real
-    if type_ == "PD":
-        kind = kind & (values.real < 0.0)
-    elif type_ != "NS":
-        kind = kind & (values.real > 0.0)
-    found = np.flatnonzero(kind)
-    return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None
+def _there(finer: LargeOrbitEquations, type_: str, near: At, measured: float, ahead: float, scale: Array) -> Array:
+    """The special orbit on a finer mesh from one near it: a secant step with the slope of that mesh."""
+    base = Sample(near.z, near.tangent, np.zeros(0), 0, np.zeros(0, complex))
+    at = point_at(finer, base, ahead, near.z + ahead * near.tangent * scale, Frame(scale)) if ahead != 0.0 else None
+    if at is None:
+        return near.z + ahead * near.tangent * scale
+    left = _measured(finer, at, type_)
+    further = left * ahead / (measured - left) if abs(left) < abs(measured) else 0.0
+    return at.z + further * at.tangent * scale
 
 
 def excess(problem: LargeOrbitEquations, at: At, type_: str) -> float:

@@ -124,3 +124,15 @@ def tests_of(values: NDArray[np.complex128]) -> tuple[Array, int]:
         gap = float(np.min(np.abs(np.abs(values[kind]) - 1.0), initial=1.0))
         tests.append(-gap if int(np.sum(outside & kind)) % 2 else gap)
     return np.array(tests), int(np.sum(outside))
+
+
+def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:
+    """Index of the multiplier of a type."""
+    real = np.abs(values.imag) <= REAL * np.abs(values)
+    kind = values.imag > REAL * np.abs(values) if type_ == "NS" else real
+    if type_ == "PD":
+        kind = kind & (values.real < 0.0)
+    elif type_ != "NS":
+        kind = kind & (values.real > 0.0)
+    found = np.flatnonzero(kind)
+    return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None

@@ -99,11 +99,24 @@ class Sweeps:
         """M^T w, from interval to interval back in time."""
         x = w
         for interval in reversed(self.intervals):
-            known = np.zeros((self.n, STAGES), x.dtype)
-            known[:, -1] = x
-            x = interval.solve_transposed(known.ravel()).reshape(self.n, STAGES).sum(axis=1)
-            x = x if self.mass is None else np.asarray(self.mass.T @ x)
+            _, x = self._back(interval, x)
         return x
+
+    def backwards(self, w: Vector) -> Vector:
+        """y (intervals, 3, n): w . d_{N-1,3} is the sum of y r over all points, for what r leads to from rest."""
+        out, x = np.empty((len(self.intervals), STAGES, self.n), np.asarray(w).dtype), w
+        for j in reversed(range(len(self.intervals))):
+            y, x = self._back(self.intervals[j], x)
+            out[j] = y.T
+        return out
+
+    def _back(self, interval: Interval, x: Vector) -> tuple[Vector, Vector]:
+        """The interval's transposed solution (n, 3), and what it makes of the state where the interval begins."""
+        known = np.zeros((self.n, STAGES), x.dtype)
+        known[:, -1] = x
+        y = interval.solve_transposed(known.ravel()).reshape(self.n, STAGES)
+        begun = y.sum(axis=1)
+        return y, begun if self.mass is None else np.asarray(self.mass.T @ begun)
 
 
 Jumps = Mapping[int, Vector]

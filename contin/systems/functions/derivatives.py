@@ -59,12 +59,14 @@ class Lines:
 
     analytic : F takes complex arguments and is analytic (see `is_analytic`).
     slope : D F(u, p)[v] by the user's Jacobian, v (n + m,), or None.
+    wider : than usual, of the stencils for derivatives of second and higher order; how much these differ tells errors.
     """
 
     function: Function
     sizes: Array
     analytic: bool
     slope: Callable[[Array, Array, Array], Array] | None = None
+    wider: float = 1.0
 
     def first(self, u: Array, p: Array, v: Array) -> Array:
         """D F[v]."""
@@ -95,7 +97,7 @@ class Lines:
             return self._slope_between_corners(u, p, v, reach)
         lower = 1 if self.slope is not None and order > 1 else 0
         k = order - lower
-        h = STEPS[k] * reach
+        h = STEPS[k] * reach * self.wider
         total = np.zeros(n)
         for offset, weight in stencil(k):
             t = offset * h

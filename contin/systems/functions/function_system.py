@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -349,6 +350,14 @@ class FunctionSystem:
 
         vectors = tuple(np.asarray(d) for d in directions)
         return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
+
+    def with_wider_stencils(self, factor: float) -> Self | None:
+        """The same with other differences for derivatives of order 2 and 3; None where these are no differences."""
+        if self.lines.analytic or self.model.derivative is not None:
+            return None
+        made = copy(self)
+        made.lines = replace(self.lines, wider=factor)
+        return made
 
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2F(z)[v, .], (n, n + m), v real or complex."""

@@ -5,10 +5,11 @@ families leave along x q + y r where
 
     b20 x^2 + 2 b11 x y + a02 y^2 = 0,    b20 = psi . D^2F[q, q],  b11 = psi . D^2F[q, r],  a02 = psi . D^2F[r, r]
 
-(Keller 1977): a pitchfork where b20 = 0. `slope` = |b20 / (2 b11)| is by how much the parameter moves along the family
-that crosses: u = u0 + xi v + ..., p = p0 +- slope xi + ..., the mean of |v|^2 over the orbit being 1, in the model's
-units. Every coefficient is computed on two meshes, from two solutions of the defining system: their difference and the
-rounding of the terms are its error, and decide what is zero.
+(Keller 1977): a pitchfork where b20 = 0. `slope` is by how much the parameter moves while the families part: where one
+has u1(p), the other is u1(p) + xi v + ..., p = p0 +- slope xi + ..., the mean of |v|^2 over the orbit being 1, in the
+model's units. With y = 1 the roots x differ by 2 sqrt(b11^2 - a02 b20) / |b20|, whatever r is beside q. Every
+coefficient is computed on two meshes, from two solutions of the defining system: their difference and the rounding of
+the terms are its error, and decide what is zero.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.machine.elementary import square
+from contin.normalforms.coefficient import SAFETY as CHANGE
 from contin.normalforms.coefficient import Coefficient
 from contin.problems.orbits.linearised.linear import OrbitLinear, embed
 from contin.problems.orbits.normal_forms.multiple_branch_point import kernel_dimension, planes
@@ -68,22 +70,25 @@ def branch_point(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) 
     fine = _crossings(problem, point, solved.finer or solved)
     if len(fine) != len(coarse):
         return {}
-    return {**_decided(coarse[0], fine[0]), **kernel}
+    return {**decided(coarse[0], fine[0]), **kernel}
 
 
-def _decided(coarse: Crossing, fine: Crossing) -> Record:
+def decided(coarse: Crossing, fine: Crossing) -> Record:
+    """{kind, slope, errors} from the equation on two meshes."""
     pairs = ((coarse.b20, fine.b20), (coarse.b11, fine.b11), (coarse.a02, fine.a02))
     (b20, e20), (b11, e11), (a02, e02) = ((one.value.real, one.error(other)) for one, other in pairs)
     discriminant = square(b11) - a02 * b20
     unsure = (2.0 * abs(b11) + e11) * e11 + abs(a02) * e20 + (abs(b20) + e20) * e02
-    if not abs(b11) > e11 or (abs(b20) > e20 and abs(discriminant) <= unsure):
-        return {"kind": "degenerate"}  # terms of higher order decide what crosses, or NaN
-    slope = abs(b20 / (2.0 * b11))
-    error = (e20 + 2.0 * slope * e11) / (2.0 * (abs(b11) - e11))
-    stated = {"slope": slope * coarse.rate, "errors": {"slope": error * coarse.rate}}
-    if abs(b20) <= e20:
-        return {"kind": "pitchfork", **stated}
-    return {"kind": "transcritical" if discriminant > 0.0 else "isolated", **stated}
+    if not abs(discriminant) > unsure:  # NaN, too
+        return {"kind": "degenerate"}  # terms of higher order decide what crosses
+    if discriminant < 0.0:
+        return {"kind": "isolated"}
+    slope = abs(b20) / (2.0 * float(np.sqrt(discriminant)))
+    worst = discriminant - unsure
+    error = e20 / (2.0 * float(np.sqrt(worst))) + slope * unsure / (2.0 * worst)
+    moved = slope * CHANGE * abs(coarse.rate - fine.rate)
+    stated = {"slope": slope * coarse.rate, "errors": {"slope": error * coarse.rate + moved}}
+    return {"kind": "pitchfork" if abs(b20) <= e20 else "transcritical", **stated}
 
 
 def _crossings(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -> list[Crossing]:

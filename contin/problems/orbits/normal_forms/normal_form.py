@@ -1,11 +1,6 @@
-"""Critical normal forms of periodic orbits (Kuznetsov, Govaerts, Doedel, Dhooge, SIAM J. Numer. Anal. 43 (2005) 1407).
+"""Critical normal forms of periodic orbits by collocation: b of LPC, c of PD, d of NS (`contin.normalforms.cycles`).
 
 On the centre manifold of an orbit u0 of period T, with its phase tau and a coordinate xi, in the model's own time t,
-
-    LPC   tau' = 1 - xi + ...,       xi' = b xi^2 + ...                 forced, or without shear: tau' = 1 + ...
-    PD    tau' = 1 + a xi^2 + ...,   xi' = c xi^3 + ...
-    NS    tau' = 1 + a |xi|^2 + ..., xi' = (i theta / T) xi + d xi |xi|^2 + ...
-
 u = u0(tau) + xi v(tau) + ..., where the mean of |v|^2 over the orbit is 1 (2-norm, the model's units); for b of an
 autonomous system v is the generalised eigenfunction v' = A v + u0', whose size is given; where there is no shear, v is
 the one eigenfunction of the multiplier 1 with mean(<v, u0'>) = 0, up to its sign. Every coefficient follows from
@@ -27,8 +22,8 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
-from contin.machine import elementary
 from contin.normalforms.coefficient import Coefficient
+from contin.normalforms.cycles import fold, period_doubling, torus
 from contin.normalforms.result import sense
 from contin.problems.algebraic_states import massless
 from contin.problems.orbits.linearised.bordered import Bordered, Borders, factors
@@ -81,10 +76,10 @@ def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:
 
 def coefficient(problem: OrbitEquations, type_: str, solved: SolvedOrbit) -> Coefficient:
     """b of LPC, c of PD or d of NS."""
-    linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
+    forms = Forms(OrbitLinear(problem, solved.z, solved.scale, solved.z))
     if type_ == "LPC":
-        return fold(linear)
-    return period_doubling(linear) if type_ == "PD" else torus(linear, solved.theta)
+        return fold(forms)
+    return period_doubling(forms) if type_ == "PD" else torus(forms, solved.theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,16 +136,32 @@ class Variation:
 
 @dataclass(frozen=True, eq=False)
 class Forms:
-    """A, B and C of the equations at the Gauss points of an orbit."""
+    """A, B and C of the equations at the Gauss points of an orbit: a `contin.normalforms.cycles.Cycle`."""
 
     linear: OrbitLinear
+    known: dict[str, Borders] = field(default_factory=dict)  # of the equations of orbits nearby, by name
+    _equations: dict[tuple[complex, str], Variation] = field(default_factory=dict)
+
+    @property
+    def period(self) -> float:
+        return float(self.linear.profile.period)
+
+    @property
+    def autonomous(self) -> bool:
+        return bool(self.linear.problem.autonomous)
+
+    def equation(self, rho: complex, name: str = "") -> Variation:
+        key = complex(rho), name
+        if key not in self._equations:
+            self._equations[key] = Variation(self.linear, rho, name, self.known)
+        return self._equations[key]
 
     @cached_property
     def states(self) -> Array:
         return np.moveaxis(self.linear._points.at, -1, 0)
 
     @cached_property
-    def field(self) -> Array:
+    def rates(self) -> Array:
         return np.moveaxis(self.linear._points.f, -1, 0)
 
     def values(self, w: Vector) -> Values:
@@ -158,6 +169,9 @@ class Forms:
         profile = self.linear.profile
         nodes = np.arange(profile.intervals)[:, None] * profile.m + np.arange(profile.m + 1)
         return np.asarray(np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes]))
+
+    def weighed(self, w: Values) -> Values:
+        return w
 
     def first(self, w: Values) -> Values:
         return np.asarray(np.einsum("icka,ica->ick", self.linear.state_derivatives, w))
@@ -174,107 +188,30 @@ class Forms:
         found = problem.system.derivatives(self.states.reshape(rows, -1), p, *directions)
         return np.asarray(found).reshape(shape)
 
+    def _mean(self, v: Vector, w: Vector) -> Any:
+        """The mean of <v, w> over the orbit, of the states with mass."""
+        moving = ~massless(self.linear.problem.system)
+        return self.linear.profile.weights @ np.sum(v[:, moving].conj() * w[:, moving], axis=1)
 
-def _mean(linear: OrbitLinear, v: Vector, w: Vector) -> Any:
-    """The mean of <v, w> over the orbit, of the states with mass."""
-    moving = ~massless(linear.problem.system)
-    return linear.profile.weights @ np.sum(v[:, moving].conj() * w[:, moving], axis=1)
+    def normalised(self, w: Vector) -> Vector:
+        return np.asarray(w / np.sqrt(self._mean(w, w).real))
 
-
-def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
-    """Mean square 1 over the orbit, of the states with mass."""
-    return np.asarray(w / np.sqrt(_mean(linear, w, w).real))
-
-
-def fold(linear: OrbitLinear) -> Coefficient:
-    """b = <p, B(v, v) / 2 + A v> / <p, v> with v' = A v + u0'; b = <p, B(v, v)> / (2 <p, v>) with v' = A v where the
-    period does not change across the fold, or is forced.
-    """
-    forms, periodic = Forms(linear), Variation(linear, 1.0)
-    w, p = _across_fold(periodic, forms)
-    if p is not None:
-        return _without_drift(periodic, forms, w, p)
-    v = forms.values(w)
-    return _projected(periodic, v, [0.5 * forms.apply(v, v), forms.first(v)])
+    def across_fold(self) -> tuple[Vector, Vector | None]:
+        linear, periodic = self.linear, self.equation(1.0)
+        if not self.autonomous:
+            return self.normalised(periodic.null[0]), periodic.null[1]
+        right, _, left = Bordered.of(periodic.matrix, 2).solve()
+        kernel = np.linalg.qr(right)[0]
+        if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
+            return periodic.solve(self.rates, singular=True), None
+        along = [periodic.projection(self.rates, w) for w in left.T]  # <p, u0'> = 0 selects p
+        p = along[1] * left[:, 0] - along[0] * left[:, 1]
+        a, b = (periodic.raw(column) for column in kernel.T)
+        q = self._mean(b, linear.field) * a - self._mean(a, linear.field) * b
+        return self.normalised(q), p
 
 
 def eigenfunction(linear: OrbitLinear, rho: complex) -> Vector:
     """v of the normal forms at the nodes, of the length that the coefficients refer to; rho = 1: that of a fold."""
-    if rho == 1.0:
-        periodic = Variation(linear, 1.0)
-        return _across_fold(periodic, Forms(linear))[0]
-    return _normalised(linear, Variation(linear, rho).null[0])
-
-
-def _across_fold(periodic: Variation, forms: Forms) -> tuple[Vector, Vector | None]:
-    """v at the nodes, and the left null vector p where the phase does not drift: v' = A v."""
-    linear = periodic.linear
-    if not linear.problem.autonomous:
-        return _normalised(linear, periodic.null[0]), periodic.null[1]
-    right, _, left = Bordered.of(periodic.matrix, 2).solve()
-    kernel = np.linalg.qr(right)[0]
-    if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
-        return periodic.solve(forms.field, singular=True), None
-    along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
-    p = along[1] * left[:, 0] - along[0] * left[:, 1]
-    a, b = (periodic.raw(column) for column in kernel.T)
-    q = _mean(linear, b, linear.field) * a - _mean(linear, a, linear.field) * b
-    return _normalised(linear, q), p
-
-
-def _without_drift(periodic: Variation, forms: Forms, w: Vector, p: Vector) -> Coefficient:
-    v = forms.values(w)
-    return replace(_projected(periodic, v, [0.5 * forms.apply(v, v)], p), signed=False)
-
-
-def period_doubling(linear: OrbitLinear, known: dict[str, Borders] | None = None) -> Coefficient:
-    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>).
-
-    known : borders of the equations, by their names, from an orbit nearby; those of this one take their place.
-    """
-    known = {} if known is None else known
-    forms, periodic = Forms(linear), Variation(linear, 1.0, "periodic", known)
-    antiperiodic = Variation(linear, -1.0, "critical", known)
-    v = forms.values(_normalised(linear, antiperiodic.null[0]))
-    second = forms.apply(v, v)
-    a, h2 = _second_order(forms, periodic, second, factor=0.5)
-    terms = [forms.apply(v, v, v) / 6.0, 0.5 * forms.apply(v, h2), -a * forms.first(v)]
-    return _projected(antiperiodic, v, terms)
-
-
-def torus(linear: OrbitLinear, theta: float, known: dict[str, Borders] | None = None) -> Coefficient:
-    """d = <p, C(v, v, v') + 2 B(h11, v) + B(h20, v') - 2 a A v> / (2 <p, v>) + i a theta / T (v' the conjugate).
-
-    Functions stand for w = v exp(i theta tau / T), which solve the variational equation with w(T) = exp(i theta) w(0).
-    known : as of `period_doubling`.
-    """
-    known = {} if known is None else known
-    forms, periodic = Forms(linear), Variation(linear, 1.0, "periodic", known)
-    turning = Variation(linear, complex(elementary.exp(1j * theta)), "critical", known)
-    v = forms.values(_normalised(linear, turning.null[0]))
-    a, h11 = _second_order(forms, periodic, forms.apply(v, v.conj()).real, factor=1.0)
-    twice = Variation(linear, complex(elementary.exp(2j * theta)))
-    h20 = forms.values(twice.solve(forms.apply(v, v), singular=False))
-    terms = [
-        0.5 * forms.apply(v, v, v.conj()), forms.apply(h11, v), 0.5 * forms.apply(h20, v.conj()), -a * forms.first(v),
-    ]  # fmt: skip
-    d = _projected(turning, v, terms)
-    return replace(d, value=d.value + 1j * a * theta / linear.profile.period)
-
-
-def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -> tuple[float, Values]:
-    """a = factor <p, g> / <p, u0'> and the periodic h with h' = A h + g - (a / factor) u0'; forced: a = 0."""
-    if not forms.linear.problem.autonomous:
-        return 0.0, forms.values(periodic.solve(g, singular=False))
-    a = float((periodic.projection(g) / periodic.projection(forms.field)).real)
-    return factor * a, forms.values(periodic.solve(g - a * forms.field, singular=True))
-
-
-def _projected(critical: Variation, v: Values, terms: list[Values], left: Vector | None = None) -> Coefficient:
-    """Sum of the terms' projections in units of v's.
-
-    The moduli are those of the integrands, so that a projection which vanishes by symmetry has a size, too.
-    """
-    unit = critical.projection(v, left)
-    parts = [critical.projection(g, left) / unit for g in terms]
-    return Coefficient(complex(sum(parts)), float(sum(critical.modulus(g, left) for g in terms) / abs(unit)))
+    forms = Forms(linear)
+    return forms.across_fold()[0] if rho == 1.0 else forms.normalised(forms.equation(rho).null[0])

@@ -23,9 +23,10 @@ from contin.kernels.collocation_basis import basis
 from contin.kernels.special_orbits.march import CORRECT, MARCH, MEASURE, follow_special
 from contin.kernels.special_orbits.memory import NOT_FINITE, TEST_COUNTS, Curve
 from contin.machine import elementary
+from contin.normalforms.cycles import period_doubling, torus
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.march.rows import Rows
-from contin.problems.orbits.normal_forms.normal_form import period_doubling, torus
+from contin.problems.orbits.normal_forms.normal_form import Forms
 from contin.problems.orbits.special_orbits import borders
 from contin.problems.orbits.special_orbits.on_one_mesh import KINDS, Gauge, Normals, Work
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
@@ -81,7 +82,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         orbit = self.orbit(z)
         linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
         known = self.critical.setdefault("borders", {})
-        found = period_doubling(linear, known) if self.type == "PD" else torus(linear, self.theta(z), known)
+        forms = Forms(linear, known)
+        found = period_doubling(forms) if self.type == "PD" else torus(forms, self.theta(z))
         return found.value.real, found.size
 
     # -- the kernel ---------------------------------------------------------------------------------------------------
