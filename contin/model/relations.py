@@ -88,8 +88,23 @@ def relations(model: Model, texts: Sequence[str], on_orbits: bool) -> tuple[Rela
     problems = Problems(CallSource("conditions"))
     read = relations_on_orbits if on_orbits else relations_on_states
     found = read(model, texts, problems)
+    if not on_orbits:
+        _only_of_orbits(model, texts, problems)
     problems.raise_if_any()
     return found
+
+
+def _only_of_orbits(model: Model, texts: Sequence[str], problems: Problems) -> None:
+    """A condition that orbits have and states at rest have not is said to be one."""
+    for text in texts:
+        alone, on_orbit = Problems(CallSource("")), Problems(CallSource(""))
+        relations_on_states(model, [text], alone)
+        relations_on_orbits(model, [text], on_orbit)
+        if alone and not on_orbit:
+            raise InputError(
+                f"the condition {text!r} is one of periodic orbits, but the start is at rest: there it is an equation "
+                f"in the states ({', '.join(model.state_names[:6])}) and parameters, such as {model.state_names[0]} = 1"
+            )
 
 
 def measure(model: Model, text: str) -> Relation:

@@ -213,13 +213,13 @@ _BRANCHING: Final = ("equilibrium", "algebraic", "fixed-point", "orbit", "bvp")
 def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
     """True where a run from a point means the solution there, not a branch that is born there.
 
-    That is so at a user value; at other points where no branch of this kind is born, if another parameter varies or
-    `as:` names the kind of the branch.
+    That is so at a user value and at an extremum; at other points where no branch of this kind is born, if another
+    parameter varies or `as:` names the kind of the branch.
     """
     if branch.kind not in _BRANCHING or branch.kind in special_type(point.type).continues:
         return False
     kind = "orbit" if branch.kind == "orbit" else "equilibrium"
-    if run.as_ is not None or point.type == "UZ":
+    if run.as_ is not None or point.type in ("UZ", "EX"):
         return run.as_ in (None, kind)
     return point.type != "HB" and run.parameters[0] != branch.parameters[0]
 

@@ -8,6 +8,7 @@ import contin
 from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.model.relations import relations
+from tests.cli.calls import call, results, run_file
 
 CIRCLE = contin.Model(  # the circle r^2 = mu with angular velocity om + b mu
     name="circle", states={"x": 1, "y": 0}, parameters={"mu": 1, "om": 1, "b": -0.5},
@@ -163,3 +164,25 @@ def test_short_forms_are_the_functionals_that_they_stand_for():
     short = relations(CIRCLE, ["amplitude + x.max*y.min = norm"], True)[0]
     long = relations(CIRCLE, ["(max(x) - min(x))/2 + max(x)*min(y) = sqrt(mean(x^2 + y^2))"], True)[0]
     assert short.residual is long.residual
+
+
+@pytest.mark.parametrize("condition", ["x.max = 2", "period = 4", "mean(x^2) = 1"])
+def test_a_condition_of_orbits_on_a_state_of_rest_is_told_as_one(condition):
+    with pytest.raises(InputError, match=r"is one of periodic orbits, but the start is at rest.*\(x, y\)"):
+        contin.continuation(contin.equilibrium(BRUSSELATOR), "A", (0.5, 3), conditions=[condition], free=["B"])
+
+
+def test_a_run_under_conditions_may_start_from_an_extremum(tmp_path):
+    """r' = r (m - r^2), m = 1 - (p - 2)^2/4 + q: the largest radius is at p = 2; those of 1 have q = (p - 2)^2/4."""
+    model = {
+        "contin": 1, "name": "hill", "states": {"x": 0.9, "y": 0}, "parameters": {"p": 1.5, "q": 0},
+        "definitions": {"g": "1 + q - (p - 2)^2/4 - x^2 - y^2"}, "equations": {"x": "x*g - y", "y": "y*g + x"},
+    }  # fmt: skip
+    both = {"parameter": "p", "range": [1, 3]}
+    hill = {"name": "hill", "as": "orbit", "extrema": ["x.max"], **both}
+    level = {"name": "level", "from": "hill.EX1", "free": ["q"], "conditions": ["x.max = 1"], **both}
+    path = run_file(tmp_path, model, hill, level, outputs={"json": "out.json"})
+    assert call("run", path, "--quiet") == 0
+    columns = results(tmp_path / "out.json")["branches"][1]["columns"]
+    assert len(columns["p"]) > 5
+    np.testing.assert_allclose(columns["q"], (np.array(columns["p"]) - 2.0) ** 2 / 4.0, atol=1e-7)
