@@ -21,7 +21,9 @@ from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.sizes import couplings, filled, moved, noticed, without_remnants
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.problem import Problem, Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.problems.orbits.mesh.adaption import estimate

@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.boundary_equations import LONGEST_CHUNK, BoundaryEquations
-from contin.continuation.problem import STOPS, Chunk, Frame, Sample
+from contin.continuation.sample import STOPS, Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.kernels import boundary_march as kernel
 from contin.kernels.collocation_basis import basis

@@ -17,7 +17,8 @@ from contin.bvp import normal_forms
 from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
-from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.layout import make_scale

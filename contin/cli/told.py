@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch
     from contin.continuation.journal import Journal
-    from contin.continuation.problem import Chunk
+    from contin.continuation.sample import Chunk
 
 
 class Told:

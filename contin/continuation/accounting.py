@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.special.table import special_type
 
 ANY: Final = 1_000_000

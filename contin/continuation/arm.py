@@ -16,18 +16,9 @@ from contin.continuation.location.isolate import LOST_IN_ROUNDING
 from contin.continuation.location.through_zero import ThroughZero
 from contin.continuation.location.user_value import Target
 from contin.continuation.metric import measured_in, outgrown, travelled
-from contin.continuation.problem import (
-    Chunk,
-    Corner,
-    Frame,
-    Jump,
-    Problem,
-    Renewal,
-    Sample,
-    Stop,
-    Verified,
-    in_two_parameters,
-)
+from contin.continuation.outcome import Corner, Jump, Verified
+from contin.continuation.problem import Problem, Renewal, in_two_parameters
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
 from contin.linalg.vectors import dot
 from contin.special.table import special_type

@@ -12,7 +12,8 @@ from contin.continuation.location.sameness import same_point
 from contin.continuation.location.targets import Wanted
 from contin.continuation.location.turning import between
 from contin.continuation.location.user_value import Target
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 
 
 def found_at_start(departure: Departure, targets: Sequence[Wanted]) -> list[Found]:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Problem, Sample
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 

@@ -18,8 +18,10 @@ from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
 from contin.continuation.location.own_tests import own_tests
 from contin.continuation.location.targets import Wanted
+from contin.continuation.outcome import Verified
 from contin.continuation.outset import oriented, passed_over, set_out
-from contin.continuation.problem import Chunk, Frame, Sample, Verified, in_two_parameters
+from contin.continuation.problem import in_two_parameters
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
 from contin.continuation.settings import Settings

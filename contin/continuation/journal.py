@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
-from contin.continuation.problem import Chunk
+from contin.continuation.sample import Chunk
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch

@@ -19,8 +19,10 @@ from contin.continuation.location.halting import Halt, halt, halves, mirror
 from contin.continuation.location.isolate import isolate, next_to_event
 from contin.continuation.location.sameness import offset, same_point
 from contin.continuation.location.targets import Wanted, hits
+from contin.continuation.outcome import Verified
 from contin.continuation.position import position
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
 from contin.continuation.settings import Settings
 from contin.kernels.steering import is_dip

@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Failure, Frame, InTwoParameters, Sample, Stop
+from contin.continuation.outcome import Failure
+from contin.continuation.problem import InTwoParameters
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels import steering
 from contin.kernels.steering import AT_CORNER, RESCALE_AT, STAGNATION, STRAYED, TURNED, is_dip

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Problem, Sample, in_two_parameters
+from contin.continuation.problem import Problem, in_two_parameters
+from contin.continuation.sample import Sample
 
 FAR: Final = 10.0  # scales; a state that grows is rescaled long before
 JOURNEY: Final = 20.0  # scales that such a state may move in one chunk

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.location.bounds import walls_passed
-from contin.continuation.problem import Frame, Problem, Sample
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary

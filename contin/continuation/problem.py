@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol, TypeGuard
 
 import numpy as np
@@ -18,165 +17,11 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.continuation.outcome import NOTHING, Corner, Jump, Outcome, Verified
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
-from contin.records import Record
-
-
-class Stop(Enum):
-    """Why a march returned, in the order of the kernels' codes (`contin.kernels.algebraic`).
-
-    On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was seen.
-    """
-
-    LIMIT = "limit"
-    EVENT = "event"
-    DIP = "dip"
-    BOUND = "bound"
-    CORRECTOR = "corrector"
-    NOT_FINITE = "not finite"
-    RESCALE = "rescale"
-    LOOP = "loop"
-    CORNER = "corner"
-
-
-STOPS: Final = tuple(Stop)  # by the code that a kernel returns
-
 
 WITHOUT_STABILITY: Final = frozenset({"bvp", "algebraic"})  # kinds of solutions that are no states of a flow or map
-
-
-@dataclass(frozen=True, eq=False, init=False)
-class Sample:
-    """A point of the curve with all that is measured there."""
-
-    z: Array  # (N,) unknowns, the varying parameter last
-    tangent: Array  # (N,) unit tangent in scaled unknowns
-    tests: Array  # (k,) test functions; a sign change is an event
-    unstable: int  # eigenvalues or multipliers on the unstable side
-    eigenvalues: NDArray[np.complex128]
-
-    def __init__(
-        self, z: Array, tangent: Array, tests: Array, unstable: int, eigenvalues: NDArray[np.complex128]
-    ) -> None:
-        own = self.__dict__  # every point that is looked at is one: a third of the time of a frozen class's own way
-        own["z"], own["tangent"], own["tests"], own["unstable"] = z, tangent, tests, unstable
-        own["eigenvalues"] = eigenvalues
-
-
-@dataclass(frozen=True, eq=False)
-class Chunk:
-    """Rows 0 .. m of a march (row 0 repeats where it began) and why it stopped."""
-
-    z: Array
-    tangents: Array
-    tests: Array
-    unstable: NDArray[np.int64]
-    eigenvalues: NDArray[np.complex128]
-    lengths: Array  # lengths[k]: the step that led to row k
-    stop: Stop
-    next_step: float
-    reference: float  # normalises the determinant-like test; belongs to this chunk's frame
-    dipped: int  # which test dipped, where stop is DIP
-    evaluations: int
-    detail: str = ""  # in words, where the march failed
-    gauge: object = None  # see `Frame`; made anew from the rows of a chunk that was kept in a file
-
-    def __len__(self) -> int:
-        return len(self.z)
-
-    def sample(self, row: int) -> Sample:
-        return Sample(self.z[row], self.tangents[row], self.tests[row], int(self.unstable[row]), self.eigenvalues[row])
-
-    def cut(self, rows: int, stop: Stop, next_step: float) -> Chunk:
-        """The first rows, as a march that stopped there would have given them."""
-        return replace(
-            self, z=self.z[:rows], tangents=self.tangents[:rows], tests=self.tests[:rows],
-            unstable=self.unstable[:rows], eigenvalues=self.eigenvalues[:rows], lengths=self.lengths[:rows],
-            stop=stop, next_step=next_step,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """A metric (`scale`), with what the equations near a chunk's rows are written with.
-
-    reference : normalises the determinant-like test.  gauge : whatever a problem chooses once for a chunk (borders, the
-    orbit of a phase condition, the sense of null vectors): `march` returns it with its rows, and gets that of the chunk
-    before, to which signs refer. Without one (None) a problem chooses at the point that it is asked about.
-    """
-
-    scale: Array
-    reference: float = 0.0
-    gauge: object = None
-
-
-@dataclass(frozen=True, eq=False)
-class Verified:
-    """A special point whose defining system was solved to full precision."""
-
-    type: str
-    z: Array
-    residual: float
-    error: float
-    eigenvalues: NDArray[np.complex128]
-    unstable: int  # critical ones not counted
-    normal_form: Record = field(default_factory=dict)
-    vectors: Record = field(default_factory=dict)
-    also: tuple[str, ...] = ()
-    remark: str = ""  # what could not be told about it, such as why its normal form is empty: a note of the branch
-    touches: bool = False  # verified although its test need not change sign there: two branches with one tangent
-    crowded: bool = False  # other eigenvalues are critical here too: more than this type may happen
-
-
-@dataclass(frozen=True)
-class Rejected:
-    """No such point, and why; `suspect` where its defining system should have a solution and has none.
-
-    A jump to another branch would explain that: the step is tried again with half the length.
-    """
-
-    reason: str
-    suspect: bool = False
-
-
-@dataclass(frozen=True)
-class Nothing:
-    """What changed is no event, such as a neutral saddle: nothing to label, and nothing to say."""
-
-
-NOTHING: Final = Nothing()
-Outcome = Verified | Rejected | Nothing
-
-
-def unverified(type_: str, reason: str) -> Rejected:
-    """The defining system of `type_` has no solution there."""
-    return Rejected(f"{type_} not verified: {reason}", suspect=True)
-
-
-class Failure(Enum):
-    """Why Newton's method gave no point."""
-
-    NOT_FINITE = "not finite"
-    SINGULAR = "singular"
-    DIVERGED = "diverged"
-    NO_CONTRACTION = "no contraction"
-    NO_CONVERGENCE = "no convergence"
-    ELSEWHERE = "not the curve that the step set out on"
-
-
-@dataclass(frozen=True, eq=False)
-class Corner:
-    """Where a branch turns sharply because the equations are not smooth, without a surface that anybody has named."""
-
-    z: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Jump:
-    """Unstable values change by any number, for the equations are not smooth there: no special point, and no riddle."""
-
-    text: str  # why
-    at: Array | None = None  # exactly where, if that is known
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.continuation.segment import Segment
 
 REPEATED: Final = 1e-13  # scaled: a row this close to a labelled point beside it is that point

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Sample
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,15 +24,11 @@ from contin.continuation.ends.standing import until_standing
 from contin.continuation.ends.unbounded import until_lost
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
+from contin.continuation.outcome import Verified
 from contin.continuation.position import position
-from contin.continuation.problem import (
-    Frame,
-    Problem,
-    Sample,
-    Verified,
-    in_two_parameters,
-)
+from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.rows import Rows
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
 from contin.continuation.settings import Settings

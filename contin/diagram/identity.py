@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem

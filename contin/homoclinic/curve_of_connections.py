@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.homoclinic.equations import ConnectionCurve
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh.layout import Profile

@@ -13,7 +13,9 @@ from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.functionals import columns_of
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample
+from contin.continuation.outcome import Outcome
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.homoclinic.bent_manifolds import bends

@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.homoclinic import flips
 from contin.homoclinic.subspaces import leading

@@ -18,7 +18,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.march import correct
-from contin.continuation.problem import Failure
+from contin.continuation.outcome import Failure
 from contin.errors import InputError, NoSolutionError
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.interval import Reach, distances, fitted

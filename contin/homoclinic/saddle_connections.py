@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Outcome, Problem, Renewal, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.problem import Problem, Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NoSolutionError
 from contin.homoclinic import events

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve

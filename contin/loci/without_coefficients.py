@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 
 
 def with_remark(point: Verified, where: str) -> Verified:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 from contin.abi import Array
 
 if TYPE_CHECKING:
-    from contin.continuation.problem import Frame, Sample
+    from contin.continuation.sample import Frame, Sample
     from contin.continuation.settings import Settings
     from contin.systems.protocol import System
 

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from contin.continuation.problem import Chunk, Stop
+from contin.continuation.sample import Chunk, Stop
 from contin.errors import InputError
 from contin.records import Fields, Record
 from contin.store.digest import parts_digest
@@ -34,7 +34,7 @@ from contin.store.sqlite import APPLICATION_ID, begin, in_words, insert_branch, 
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch
-    from contin.continuation.problem import Chunk
+    from contin.continuation.sample import Chunk
 
 _CHUNKS: Final = (
     "CREATE TABLE chunk (number INTEGER PRIMARY KEY, arm TEXT NOT NULL, place INTEGER NOT NULL, header TEXT NOT NULL, "

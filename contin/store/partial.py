@@ -14,7 +14,7 @@ from contin.store.places import beside
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch
-    from contin.continuation.problem import Chunk
+    from contin.continuation.sample import Chunk
 
 NOTE: Final = "the run was not finished: these are the branches that were"
 

@@ -15,7 +15,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.problem import Failure, Frame, Sample
+from contin.continuation.outcome import Failure
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError

@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.problem import Frame
+from contin.continuation.sample import Frame
 from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.problems.orbits.collocated_orbits import OrbitProblem

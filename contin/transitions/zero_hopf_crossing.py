@@ -9,7 +9,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.problem import Frame, Rejected, Sample
+from contin.continuation.outcome import Rejected
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.loci.codim2 import zero_hopf_crossing
 from contin.loci.codim2.functions import function_of

@@ -7,7 +7,7 @@ import pytest
 
 import contin
 from contin.continuation.accounting import unexplained
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.continuation.rows import Rows
 from contin.continuation.segment import Row, Segment
 from contin.model.model import Model

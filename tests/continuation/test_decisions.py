@@ -12,7 +12,7 @@ import pytest
 
 import contin
 from contin.continuation.march import EQUILIBRIA, IN_TWO_PARAMETERS, Decisions
-from contin.continuation.problem import Chunk, Stop
+from contin.continuation.sample import Chunk, Stop
 from contin.kernels import steering
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.model.model import Model

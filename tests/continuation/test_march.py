@@ -5,7 +5,7 @@ import pytest
 
 import contin
 from contin.continuation import march as python_march
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.dense_march import DenseMarch
 from tests.problems.cases import oscillator, zeros

@@ -3,7 +3,8 @@
 import numpy as np
 
 from contin.continuation.location.isolate import HALVINGS, isolate
-from contin.continuation.problem import NOTHING, Sample
+from contin.continuation.outcome import NOTHING
+from contin.continuation.sample import Sample
 from tests.truth.test_orbits_in_one_step import family
 
 

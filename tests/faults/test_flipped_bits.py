@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from contin.continuation.problem import Chunk
+from contin.continuation.sample import Chunk
 from contin.errors import InputError
 from contin.simulate.scan.grid import Outcome
 from contin.store import json_format, sqlite

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.model.model import Model
 from tests.loci.equilibria.planes import BOGDANOV_TAKENS

@@ -14,7 +14,7 @@ import pytest
 
 from contin.api import continuation, equilibrium
 from contin.cli.main import main
-from contin.continuation.problem import Chunk, Stop
+from contin.continuation.sample import Chunk, Stop
 from contin.errors import InputError
 from contin.model.model import Model
 from contin.problems.equilibria.equilibrium import EquilibriumProblem

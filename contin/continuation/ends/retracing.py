@@ -12,7 +12,7 @@ from typing import Final
 
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.continuation.segment import Segment
 
 REGULAR: Final = ("LPC", "PD", "NS", "LP")  # not branch points, which a branch may pass twice

@@ -10,7 +10,7 @@ import numpy as np
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.location.sameness import offset, seen, wrapped
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 
 CLOSED: Final = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
 NEAR: Final = 4.0  # last steps: how close to its start a branch is where that is worth a look

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.rest_of_step import is_linear, solved
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 from contin.machine.elementary import log
 
 CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again

@@ -10,7 +10,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
-from contin.continuation.problem import Problem, Sample, Verified, in_two_parameters
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Problem, in_two_parameters
+from contin.continuation.sample import Sample
 
 SMALL: Final = 1e-3  # part of a step within which a test vanishes that is looked at on the other side of a bound
 ROUNDED: Final = 1e-14  # of the bound, or of the parameter's width in the metric

@@ -12,8 +12,10 @@ from contin.continuation.location.found import Found, Note, anchored_on_branch, 
 from contin.continuation.location.isolate import isolate, together_between
 from contin.continuation.location.rest_of_step import rounding
 from contin.continuation.location.sameness import same_point
+from contin.continuation.outcome import Nothing, Outcome, Rejected, Verified
 from contin.continuation.position import position
-from contin.continuation.problem import Nothing, Outcome, Rejected, Sample, Verified, in_two_parameters
+from contin.continuation.problem import in_two_parameters
+from contin.continuation.sample import Sample
 from contin.kernels.steering import is_dip
 from contin.linalg.vectors import dot
 

@@ -14,7 +14,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.found import Found, Note, where
-from contin.continuation.problem import Problem, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Sample
 from contin.machine import elementary
 
 STEP = 1e-3  # of the differences (scaled arclength)

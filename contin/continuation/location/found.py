@@ -8,8 +8,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
+from contin.continuation.outcome import Verified
 from contin.continuation.position import position
-from contin.continuation.problem import Sample, Verified
+from contin.continuation.sample import Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
 

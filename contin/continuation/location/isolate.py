@@ -35,17 +35,9 @@ from contin.continuation.location.rest_of_step import (
     told_apart,
 )
 from contin.continuation.location.sameness import same_point
-from contin.continuation.problem import (
-    NOTHING,
-    Jump,
-    Nothing,
-    Outcome,
-    Rejected,
-    Sample,
-    Verified,
-    in_two_parameters,
-    unverified,
-)
+from contin.continuation.outcome import NOTHING, Jump, Nothing, Outcome, Rejected, Verified, unverified
+from contin.continuation.problem import in_two_parameters
+from contin.continuation.sample import Sample
 from contin.linalg.vectors import norm
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Vector
-from contin.continuation.problem import Problem, Sample
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Sample
 
 
 def unresolved(problem: Problem, multipliers: Vector) -> NDArray[np.bool_]:

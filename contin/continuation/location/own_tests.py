@@ -10,7 +10,9 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.found import Found
 from contin.continuation.location.user_value import zero_between
-from contin.continuation.problem import Problem, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Sample
 from contin.special.special_type import SpecialType
 from contin.special.table import with_own_test
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 from contin.kernels import rest_of_step as kernel
 
 CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose tests should hardly differ

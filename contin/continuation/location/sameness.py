@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Problem, Verified, in_two_parameters
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Problem, in_two_parameters
 
 SAME_POINT: Final = 1e-8  # two verified points of one type closer than this (scaled) are one
 SAME_FREQUENCY: Final = 1e-6  # relative

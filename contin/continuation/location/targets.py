@@ -15,7 +15,8 @@ from contin.continuation.location.found import Note
 from contin.continuation.location.touched import touched, turning_points
 from contin.continuation.location.turning import turns
 from contin.continuation.location.user_value import Sought, Target
-from contin.continuation.problem import Chunk, Frame, Problem
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame
 from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
 

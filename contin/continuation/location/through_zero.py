@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Problem
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk
 from contin.continuation.segment import Row
 
 OWN: Final = 2  # the first tests are those of turning and branching: the parameter may stand still along a curve

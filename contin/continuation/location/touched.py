@@ -12,7 +12,9 @@ from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import Extremum
 from contin.continuation.location.found import Found, Note
 from contin.continuation.location.turning import between, suspicious
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
 

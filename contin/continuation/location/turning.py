@@ -15,7 +15,8 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import STEP, Extremum
 from contin.continuation.location.found import Found, Note
-from contin.continuation.problem import Chunk, Frame, Problem, Sample
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
 

@@ -12,7 +12,9 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.extrema import SAFETY, Extremum
 from contin.continuation.location.found import Found
-from contin.continuation.problem import Problem, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Sample
 
 
 class Sought(Protocol):

@@ -9,7 +9,9 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified, unverified
+from contin.continuation.outcome import Outcome, Verified, unverified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.augmented import events

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Stop
+from contin.continuation.outcome import Outcome
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.augmented import events

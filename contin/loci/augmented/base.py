@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Outcome, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.sample import Sample
 from contin.loci.augmented.elimination import Bordered, Scalars
 
 

@@ -17,7 +17,7 @@ from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.functionals import columns_of
 from contin.bvp.on_mesh import OnMesh
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 from contin.linalg.csc import scaled_columns, with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed

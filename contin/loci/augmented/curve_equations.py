@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Problem
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Frame
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.elimination import Augmented, Scalars, first_rows, null_space, orthonormal
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Outcome, Sample, Verified
+from contin.continuation.outcome import NOTHING, Outcome, Verified
+from contin.continuation.sample import Sample
 from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.dense import DenseBordered, dense_bordered

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Outcome, Sample, Verified, unverified
+from contin.continuation.outcome import Outcome, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.linalg.newton import Rules, by_steps
 from contin.loci.augmented.elimination import Augmented, Scalars
 from contin.loci.tolerances import ILL_CONDITIONED, RESIDUAL_LIMIT

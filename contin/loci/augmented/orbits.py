@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Outcome, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.sample import Sample
 from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed

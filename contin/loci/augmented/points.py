@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified
+from contin.continuation.outcome import Outcome, Rejected, Verified
+from contin.continuation.sample import Frame, Sample
 from contin.loci.augmented import third
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.dense import DenseBordered, dense_bordered

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Rejected, Sample
+from contin.continuation.outcome import Rejected
+from contin.continuation.sample import Sample
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.codim2.functions import function_of
 from contin.loci.codim2.matrices import eigenvalues

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import NOTHING, Outcome, Sample, Verified
+from contin.continuation.outcome import NOTHING, Outcome, Verified
+from contin.continuation.sample import Sample
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.codim2.forms import jet_at
 from contin.loci.codim2.functions import critical_indices

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Rejected, Sample, Stop, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.loci.codim2 import degenerate, zero_hopf_crossing
 from contin.loci.codim2.fold_ends import at_fold
 from contin.loci.codim2.forms import described

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Rejected, Sample, Verified
+from contin.continuation.outcome import Rejected, Verified
+from contin.continuation.sample import Frame, Sample
 from contin.loci.codim2 import degenerate
 from contin.loci.codim2.degenerate import APART
 from contin.loci.codim2.forms import branching_form

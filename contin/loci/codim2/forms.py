@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.loci.without_coefficients import with_remark
 from contin.machine import elementary
 from contin.normalforms.branching import branch_point

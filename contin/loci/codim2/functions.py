@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import NO_FUNCTION, Array
-from contin.continuation.problem import Rejected, Sample
+from contin.continuation.outcome import Rejected
+from contin.continuation.sample import Sample
 from contin.kernels.lyapunov import lyapunov_terms
 from contin.loci.codim2 import degenerate
 from contin.loci.codim2.flip_coefficient import flip_coefficient, of_jet

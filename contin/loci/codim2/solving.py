@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 from contin.loci.codim2.functions import at_rows
 from contin.problems.equilibria import defining
 

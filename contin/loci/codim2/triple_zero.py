@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 from contin.loci.codim2.matrices import eigenvalues, scaled_matrix
 from contin.loci.codim2.solving import RESIDUAL_LIMIT, solve
 

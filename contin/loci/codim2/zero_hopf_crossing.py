@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.linalg.newton import Rules, by_steps
 from contin.machine import elementary
 from contin.problems.equilibria import defining

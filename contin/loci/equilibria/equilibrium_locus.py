@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import STOPS, Chunk, Frame, Outcome, Sample
+from contin.continuation.outcome import Outcome
+from contin.continuation.sample import STOPS, Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels import locus as kernel

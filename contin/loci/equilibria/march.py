@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Sample
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.codim2.monitors import tests_at
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation

@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Outcome, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.sample import Chunk, Sample
 
 CONSIDERED: Final = 3  # tests: of the curve itself, and that of CP (of folds) or DP (of branch points)
 NONE: Final = np.zeros(0, complex)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Sample, Stop
+from contin.continuation.sample import Chunk, Sample, Stop
 from contin.kernels.rest_of_step import are_straight
 from contin.problems.no_derivatives import NoDerivatives
 from contin.records import Fields

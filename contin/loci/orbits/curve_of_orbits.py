@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 from contin.problems.orbits.hopf_end import SMALL
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.loci.orbits import criticality
 from contin.loci.without_coefficients import with_remark
 from contin.problems.orbits.zero_of_test import zero_of_test

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.orbits.renewal import renew
 from contin.problems.orbits.collocated_orbits import OrbitProblem

@@ -12,7 +12,9 @@ from contin import lazy
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.march import until_dip
-from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample, Verified
+from contin.continuation.outcome import Failure, Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.mesh.move import Move

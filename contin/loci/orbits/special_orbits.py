@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Outcome, Renewal, Sample
+from contin.continuation.outcome import Outcome
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.loci.orbits import criticality, events
 from contin.loci.orbits.curve_of_orbits import CurveOfSpecialOrbits
 from contin.loci.orbits.homoclinic_approach import approached

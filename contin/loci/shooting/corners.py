@@ -16,7 +16,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation import march
-from contin.continuation.problem import Chunk, Failure, Frame, Sample, Stop, Verified
+from contin.continuation.outcome import Failure, Verified
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.loci.shooting.contacts import NEAR, Touch, touches, vertex
 from contin.loci.shooting.expansion import Expansion
 from contin.loci.shooting.grazing import GrazingCurve

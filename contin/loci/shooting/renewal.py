@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased
 from contin.problems.shooting.renewal import misplaced

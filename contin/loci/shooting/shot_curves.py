@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.shooting import corners
 from contin.loci.shooting.renewal import renew

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.loci.orbits import criticality, events

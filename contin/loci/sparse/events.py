@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.errors import NotFiniteError
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm

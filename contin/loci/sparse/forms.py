@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.linalg.linear import Linear, moving
 from contin.linalg.vectors import norm
 from contin.loci.codim2.zero_hopf_crossing import EXACT

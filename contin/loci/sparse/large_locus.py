@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Sample, unverified
+from contin.continuation.outcome import NOTHING, Outcome, unverified
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm

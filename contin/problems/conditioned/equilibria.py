@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError

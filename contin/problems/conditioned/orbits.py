@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError

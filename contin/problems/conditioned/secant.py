@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 
 TRIAL: Final = 1e-3  # scaled length of the first step

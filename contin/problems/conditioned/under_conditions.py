@@ -18,18 +18,9 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.homotopy import without_offset
-from contin.continuation.problem import (
-    NOTHING,
-    Chunk,
-    Frame,
-    Nothing,
-    Outcome,
-    Problem,
-    Rejected,
-    Sample,
-    Verified,
-    unverified,
-)
+from contin.continuation.outcome import NOTHING, Nothing, Outcome, Rejected, Verified, unverified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.conditioned.secant import zero_along

@@ -13,7 +13,8 @@ from functools import cached_property
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Stop, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 

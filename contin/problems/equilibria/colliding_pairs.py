@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.continuation.problem import Rejected
+from contin.continuation.outcome import Rejected
 from contin.machine import elementary
 
 MEETING: Final = 1e-2  # two pairs this close beside their size may meet

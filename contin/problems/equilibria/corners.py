@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Chunk, Frame, Jump, Outcome, Sample, Stop, Verified
+from contin.continuation.outcome import NOTHING, Jump, Outcome, Verified
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.equilibria.on_surface import STEP, at_height, far, on_surface
 

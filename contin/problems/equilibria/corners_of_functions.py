@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Corner, Frame, Sample
+from contin.continuation.outcome import Corner
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 

@@ -11,19 +11,9 @@ from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import (
-    NOTHING,
-    Chunk,
-    Corner,
-    Floor,
-    Frame,
-    Jump,
-    Outcome,
-    Rejected,
-    Renewal,
-    Sample,
-    Verified,
-)
+from contin.continuation.outcome import NOTHING, Corner, Jump, Outcome, Rejected, Verified
+from contin.continuation.problem import Floor, Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.model.evaluate import evaluate

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.metric import far_from_zero
-from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Stop
+from contin.continuation.sample import STOPS, Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels import algebraic as kernel
 from contin.machine import elementary

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.normalforms.branching import branch_point
 from contin.normalforms.directions import any_branch_point, turning_branch_point
 from contin.normalforms.fold import fold

@@ -15,7 +15,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.lowering.system import CompiledSystem
 from contin.simulate.reach import POLE
 from contin.systems.protocol import System

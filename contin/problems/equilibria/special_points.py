@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.linalg.balancing import balancing_scales
 from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary

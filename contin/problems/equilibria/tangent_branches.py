@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.equilibria.branching.degenerate import fan_at, scaled_own
 

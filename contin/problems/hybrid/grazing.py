@@ -15,7 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.hybrid.homoclinic_end import homoclinic_end

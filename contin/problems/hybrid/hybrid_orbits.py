@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation import march as generic
 from contin.continuation.location.halting import HALF_PERIOD
-from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Renewal, Sample, Verified
+from contin.continuation.outcome import Outcome, Rejected, Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.normalforms.result import sense
 from contin.problems.at_fixed_parameter import at_parameter

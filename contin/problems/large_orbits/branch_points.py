@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 from contin.problems.large_orbits.crossing import Place, with_kind

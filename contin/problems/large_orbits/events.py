@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import critical_index
 from contin.problems.large_orbits.normal_form import with_normal_form

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample, Verified, unverified
+from contin.continuation.outcome import Outcome, Verified, unverified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.vectors import norm

@@ -11,7 +11,7 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.linalg.factor import Factoriser
 from contin.linalg.recycled import Recycled
 from contin.linalg.vectors import dot, norm

@@ -20,7 +20,8 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.location.halting import HALF_PERIOD
-from contin.continuation.problem import Chunk, Corner, Frame, Jump, Outcome, Rejected, Sample, Verified
+from contin.continuation.outcome import Corner, Jump, Outcome, Rejected, Verified
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample
+from contin.continuation.outcome import Outcome
+from contin.continuation.problem import Problem, Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.problems.neutral_pairs import remarks_on_orbits

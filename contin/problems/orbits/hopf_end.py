@@ -8,7 +8,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 
 STEPS: Final = 12  # secants to the point

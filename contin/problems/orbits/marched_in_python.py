@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Sample, in_two_parameters
+from contin.continuation.problem import in_two_parameters
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.two_parameters import OrbitCurveProblem

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.ends.ends import ending
 from contin.problems.orbits.mesh.adaption import WORTHWHILE, choose_mesh, estimate

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.problems.algebraic_states import finite_multipliers
 from contin.problems.gauged import Gauged
 from contin.problems.orbits import hopf_end

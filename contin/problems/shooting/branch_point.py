@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Failure, Rejected
+from contin.continuation.outcome import Failure, Rejected
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, family_tangents, null_space

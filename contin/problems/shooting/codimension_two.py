@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.normalforms.jet import Jet, Kind, Real
 from contin.normalforms.linear import normalise, singular_vectors
 from contin.normalforms.result import NO_FORM

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Frame, Jump, Outcome, Sample, Verified
+from contin.continuation.outcome import NOTHING, Jump, Outcome, Verified
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.shooting.grazing import grazing
 from contin.problems.shooting.layout import moving

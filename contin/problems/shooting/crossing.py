@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation import march as generic
-from contin.continuation.problem import Failure
+from contin.continuation.outcome import Failure
 from contin.machine import elementary
 from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.sampling import flights, states

@@ -13,7 +13,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria.special_points import nearest_pair
 from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without

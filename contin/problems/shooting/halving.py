@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Outcome, Sample, Verified
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes, make_scale
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Rejected
+from contin.continuation.outcome import Rejected
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space

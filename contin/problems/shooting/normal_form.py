@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.linear import null_pair

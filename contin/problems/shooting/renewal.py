@@ -9,7 +9,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.orbits.ends import ends
 from contin.problems.shooting.equilibrium_on_surface import at_rest

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as generic
-from contin.continuation.problem import (
-    Failure,
-)
+from contin.continuation.outcome import Failure
 from contin.kernels.tests_of_stability import map_tests
 from contin.problems.neutral_pairs import is_suspect, paired
 from contin.problems.orbits.mesh.layout import Profile

@@ -11,18 +11,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation import march as generic
 from contin.continuation.location.halting import HALF_PERIOD
-from contin.continuation.problem import (
-    NOTHING,
-    Chunk,
-    Frame,
-    Jump,
-    Outcome,
-    Problem,
-    Rejected,
-    Renewal,
-    Sample,
-    Verified,
-)
+from contin.continuation.outcome import NOTHING, Jump, Outcome, Rejected, Verified
+from contin.continuation.problem import Problem, Renewal
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold

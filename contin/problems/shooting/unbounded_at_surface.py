@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.model.printing import to_text
 from contin.problems.orbits.march.slow_passage import dwelling, slowest_points
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.continuation.problem import Failure, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import Failure, Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear

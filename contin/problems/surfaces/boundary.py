@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.problem import Renewal
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, by_steps, solution
 from contin.lowering.system import CompiledSystem

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contin
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from tests.problems.large_orbits.cycles import GinzburgLandau
 

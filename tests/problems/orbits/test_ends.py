@@ -8,7 +8,7 @@ import pytest
 from scipy.special import beta
 
 from contin import api
-from contin.continuation.problem import Stop
+from contin.continuation.sample import Stop
 from contin.model.model import Model
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.ends import ends

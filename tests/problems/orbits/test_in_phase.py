@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 from contin.lowering import compile_system
 from contin.model.model import Model
 from contin.problems.orbits.collocated_orbits import OrbitProblem

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from contin import api
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.model.model import Model
 from contin.problems.orbits.collocated_orbits import OrbitProblem

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contin.continuation.problem import Stop
+from contin.continuation.sample import Stop
 from contin.problems.orbits.march.rows import Rows
 
 

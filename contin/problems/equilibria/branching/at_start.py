@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 from contin.problems.equilibria.branching.degenerate import fan_at
 
 if TYPE_CHECKING:

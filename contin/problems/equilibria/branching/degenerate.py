@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.machine import elementary
 from contin.problems.equilibria.branching.halves import Fan, fan
 from contin.problems.equilibria.branching.outset import Outset

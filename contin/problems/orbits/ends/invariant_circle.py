@@ -16,7 +16,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.scaled import ScaledSystem

@@ -15,7 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Chunk, Stop
+from contin.continuation.sample import Chunk, Stop
 from contin.problems.orbits.mesh.layout import Profile, Transfer
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.outcome import Verified
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.ends.extrapolated import Limit, extrapolated, with_next

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Stop
+from contin.continuation.sample import STOPS, Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels import collocation_march as kernel
 from contin.kernels.collocation_basis import basis

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Stop
+from contin.continuation.sample import Chunk, Stop
 
 FILLED: Final = 0.8  # part of its rows that a march of thousands of unknowns keeps all of them for
 

@@ -7,7 +7,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.mesh.adaptive_problem import Meshed
 from contin.problems.orbits.mesh.layout import make_scale

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Sample
+from contin.continuation.sample import Sample
 from contin.problems.orbits.mesh.layout import Profile, Transfer, make_scale
 
 if TYPE_CHECKING:

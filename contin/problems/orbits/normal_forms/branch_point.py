@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.machine.elementary import square
 from contin.normalforms.coefficient import SAFETY as CHANGE
 from contin.normalforms.coefficient import Coefficient

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.normalforms.result import NO_FORM
 from contin.problems.algebraic_states import massless
 from contin.problems.orbits.linearised.linear import OrbitLinear

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.kernels.collocation_basis import basis
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.cycles import fold, period_doubling, torus

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import STOPS, Chunk, Failure, Sample
+from contin.continuation.outcome import Failure
+from contin.continuation.sample import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
 from contin.kernels.special_orbits.march import CORRECT, MARCH, MEASURE, follow_special

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.sample import Frame, Sample
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.machine import elementary

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
+from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria import special_points
 from contin.problems.orbits.ends.vertical import (

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Failure
+from contin.continuation.outcome import Failure
 from contin.machine import elementary
 from contin.problems.orbits.special_orbits import borders
 from contin.problems.orbits.special_orbits.curve import OrbitCurve

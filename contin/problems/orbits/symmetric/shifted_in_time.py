@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Sample, Stop
+from contin.continuation.sample import Chunk, Sample, Stop
 from contin.machine import elementary
 from contin.problems.orbits.mesh.layout import Profile, Transfer
 from contin.problems.orbits.symmetric.symmetry import shifted

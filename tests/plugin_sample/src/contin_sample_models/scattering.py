@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Sample, Verified
+from contin.continuation.outcome import Outcome, Rejected, Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, by_steps, solution, with_one_fixed
