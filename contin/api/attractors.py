@@ -8,8 +8,9 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.api.auto_start import FoundStart, find_start
+from contin.api.auto_start import find_start
 from contin.api.fixed_totals import for_branches
+from contin.api.found_start import FoundStart
 from contin.api.searches import find_equilibria
 from contin.errors import ContinError, NoSolutionError
 from contin.records import Record

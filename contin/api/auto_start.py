@@ -9,65 +9,46 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.api.fixed_totals import for_branches, named_start
+from contin.api.found_start import FoundStart
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters
 from contin.api.searches import find_equilibria
 from contin.api.zeros_held import with_zeros_held
-from contin.continuation.seed import Seed
-from contin.continuation.told import Told
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
+from contin.problems.sparse.as_dense import MOST, SMALL
+from contin.problems.sparse.from_model import sparse_function
 from contin.records import Record
 from contin.search.equilibrium_from_guess import Equilibrium, converge
+from contin.search.large_equilibrium import LargeEquilibrium, converge_large
 from contin.search.orbit_from_samples import orbit_from_samples
+from contin.search.relaxed_large import relax_large, sizes
 from contin.search.shot_orbit import ShotOrbit, settled_orbit
 from contin.simulate.natural import natural_metric
 from contin.simulate.relax import Relaxed, relax, stiff_loop
 from contin.symbolic.passes.translations import translation_notes
 from contin.systems.functions.function_problem import FunctionProblem
+from contin.systems.functions.function_system import FunctionSystem
 from contin.systems.iterate import iterate
 
 AT_REST: Final = 1e-3  # part of a state's size that Newton may move a state that is given as a rest
 SINGULAR: Final = 1e-11  # ratio of singular values of an equilibrium that is one of a line
 BUDGET: Final = 200_000  # steps between two looks at whether a trajectory closes
-LONG: Final = 400  # characters of a solution in words
 LONGEST: Final = 2e4  # time scales
 ITERATES: Final = 4_096
 LONGEST_CYCLE: Final = 32  # of a map
 REPEATS: Final = 1e-6  # relative difference of an iterate and itself a cycle later
 Solution = Equilibrium | PeriodicOrbit | ShotOrbit
 _FAILURES: Final = (NoSolutionError, NotFiniteError, np.linalg.LinAlgError)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class FoundStart(Told):
-    """A solution, and how it was found: given, rest, cycle, newton or deflation, and in words."""
-
-    solution: Any
-    how: str
-    words: str
-
-    @property
-    def system(self) -> Any:
-        return self.solution.system
-
-    def seed(self, parameter: str) -> Seed:
-        """Where a continuation with this parameter free starts."""
-        seed: Seed = self.solution.seed(parameter)
-        return seed
-
-    def __str__(self) -> str:
-        text = str(self.solution)
-        return f"{text if len(text) <= LONG else text[: LONG - 3] + '...'} ({self.words})"
 
 
 def find_start(
@@ -107,12 +88,16 @@ def _found(model: Any, parameters: Record | None, start: Any, cycles: bool, defl
         found = module("responses").response(system, u, p, periods)
         return FoundStart(found, "cycle", "the response that the trajectory of the given state settles on")
     tried: list[str] = []
-    ways = _of_map(system, u, p, periods, tried) if system.kind == "map" else _of_flow(
-        system, u, p, periods, cycles, tried
-    )  # fmt: skip
+    large = _as_large(model, u, p)
+    if system.kind == "map":
+        ways = _of_map(system, u, p, periods, tried)
+    elif large is not None:
+        ways = _of_large_flow(large, u, p, tried, system if cycles and system.n <= MOST else None, periods)
+    else:
+        ways = _of_flow(system, u, p, periods, cycles, tried)
     for one in ways:
         return one
-    if deflate and not (isinstance(model, FunctionProblem) and model.method != "dense"):
+    if deflate and large is None:
         found = _by_deflation(model, parameters, tried)
         if found is not None:
             return found
@@ -120,9 +105,7 @@ def _found(model: Any, parameters: Record | None, start: Any, cycles: bool, defl
     raise NoSolutionError(f"no equilibrium {'or cycle ' if cycles else ''}found: {'; '.join(tried)}.")
 
 
-def _of_flow(
-    system: Any, u: Array, p: Array, periods: Array, cycles: bool, tried: list[str]
-) -> Iterator[FoundStart]:
+def _of_flow(system: Any, u: Array, p: Array, periods: Array, cycles: bool, tried: list[str]) -> Iterator[FoundStart]:
     here = _solved(system, u, p, periods, AT_REST)
     if here is not None:
         yield FoundStart(here, "given", "the given state is at rest")
@@ -134,22 +117,64 @@ def _of_flow(
             yield FoundStart(rest, "rest", f"simulated to rest{kind}, within t = {end.time:.3g}")
     tried.append(_words(end))
     if end.outcome == "moving" and cycles:
-        try:
-            orbit = settled_orbit(system, end.u, p, periods, longest=LONGEST, budget=BUDGET)
-            yield FoundStart(orbit, "cycle", "simulated to a cycle")
-        except AtRestError as error:
-            state = np.asarray(error.state, dtype=float)
-            rest = _solved(system, state, p, periods, None)
-            if rest is not None:
-                yield FoundStart(rest, "rest", "simulated to rest")
-            tried.append(f"no cycle from there ({_short(error)})")
-        except _FAILURES as error:
-            stiff = _stiff_cycle(system, end.u, p, periods) if isinstance(error, NotFiniteError) else None
-            if stiff is not None:
-                yield FoundStart(stiff, "cycle", "simulated to a cycle, by a method for stiff flows")
-            tried.append(f"no cycle from there ({_short(error)})")
+        yield from _cycle(system, end.u, p, periods, tried)
     for guess, what in ((end.u, "the end of the trajectory"), (end.mean, "its mean"), (u, "the given state")):
         found = None if guess is None or not np.all(np.isfinite(guess)) else _solved(system, guess, p, periods, None)
+        if found is not None:
+            yield FoundStart(found, "newton", f"Newton's method from {what}; {'; '.join(tried)}")
+    tried.append("Newton's method from there, its mean and the given state does not converge")
+
+
+def _cycle(system: Any, u: Array, p: Array, periods: Array, tried: list[str]) -> Iterator[FoundStart]:
+    """From a state on or near a cycle."""
+    try:
+        orbit = settled_orbit(system, u, p, periods, longest=LONGEST, budget=BUDGET)
+        yield FoundStart(orbit, "cycle", "simulated to a cycle")
+    except AtRestError as error:
+        state = np.asarray(error.state, dtype=float)
+        rest = _solved(system, state, p, periods, None)
+        if rest is not None:
+            yield FoundStart(rest, "rest", "simulated to rest")
+        tried.append(f"no cycle from there ({_short(error)})")
+    except _FAILURES as error:
+        stiff = _stiff_cycle(system, u, p, periods) if isinstance(error, NotFiniteError) else None
+        if stiff is not None:
+            yield FoundStart(stiff, "cycle", "simulated to a cycle, by a method for stiff flows")
+        tried.append(f"no cycle from there ({_short(error)})")
+
+
+def _as_large(model: Any, u: Array, p: Array) -> FunctionSystem | None:
+    """A flow whose Jacobian is sparse, or known by its products alone, and too large to be taken as a dense one."""
+    if isinstance(model, FunctionProblem):
+        one = None if model.method == "dense" else model
+    else:
+        one = sparse_function(model, u, p)
+    return None if one is None or one.kind != "flow" or one.n <= SMALL else one.system()
+
+
+def _of_large_flow(
+    system: FunctionSystem, u: Array, p: Array, tried: list[str], of_cycles: Any, periods: Array
+) -> Iterator[FoundStart]:
+    """of_cycles: the system that cycles are looked for with; None where they are not."""
+
+    def solved(guess: Array) -> LargeEquilibrium | None:
+        with suppress(*_FAILURES):  # that is the answer: none
+            return converge_large(system, guess, p)
+        return None
+
+    here = solved(u)
+    if here is not None and float(np.max(np.abs(here.u - u) / sizes(system, u, p))) <= AT_REST:
+        yield FoundStart(here, "given", "the given state is at rest")
+    end = relax_large(system, u, p, solved)
+    rest = solved(end.u) if end.outcome == "rest" else None
+    if rest is not None:
+        kind = "" if end.stable else ", an unstable one"
+        yield FoundStart(rest, "rest", f"simulated to rest{kind}, within t = {end.time:.3g}")
+    tried.append(_words(end))
+    if end.outcome == "moving" and of_cycles is not None:
+        yield from _cycle(of_cycles, end.u, p, periods, tried)
+    for guess, what in ((end.u, "the end of the trajectory"), (end.mean, "its mean"), (u, "the given state")):
+        found = None if guess is None or not np.all(np.isfinite(guess)) else solved(guess)
         if found is not None:
             yield FoundStart(found, "newton", f"Newton's method from {what}; {'; '.join(tried)}")
     tried.append("Newton's method from there, its mean and the given state does not converge")
@@ -250,4 +275,3 @@ def _words(end: Relaxed) -> str:
 def _short(error: BaseException) -> str:
     text = str(error).split(". ")[0]
     return text if len(text) <= 160 else text[:157] + "..."
-

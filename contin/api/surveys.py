@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin import lazy
 from contin.api.attractors import MOST, attractors
-from contin.api.auto_start import FoundStart, is_singular
+from contin.api.auto_start import is_singular
 from contin.api.fixed_totals import varying
+from contin.api.found_start import FoundStart
 from contin.api.survey_side import Side, follow
 from contin.errors import InputError
 from contin.model.advice import place_of_parameter

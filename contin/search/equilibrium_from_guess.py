@@ -343,4 +343,9 @@ def _failure(system: System, history: list[float], u: Array, residual: float) ->
     return (
         f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps, smallest at "
         f"{_states(system, u)} (residual {residual:.1e})."
+        + (
+            " With `start: auto` a start is looked for, first where the state comes to rest."
+            if system.kind == "flow"
+            else ""
+        )
     )

@@ -109,5 +109,6 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
     shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
     raise NoSolutionError(
         f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. Start closer, "
-        "give other parameters, or check the Jacobian (matrix-free: the preconditioner)."
+        "give other parameters, or check the Jacobian (matrix-free: the preconditioner); or begin with `start: auto`, "
+        "which simulates the given state to rest"
     )

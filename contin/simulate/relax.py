@@ -7,8 +7,9 @@ that goes on and on uses up its steps, and what is left is a state on or near wh
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -33,6 +34,7 @@ PUSHES: Final = 2
 ESCAPED: Final = 1e9  # natural sizes
 _D: Final = 1.0 / (2.0 + np.sqrt(2.0))
 _E: Final = 6.0 + np.sqrt(2.0)
+Resolvent = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +48,51 @@ class Relaxed:
     mean: Array | None = None  # over time, of what still moves
 
 
+class Flow(Protocol):
+    """M u' = f(u), as the method asks for it; `sizes` (n,) and `time`: natural ones at the start."""
+
+    sizes: Array
+    time: float
+
+    def value(self, u: Array) -> Array: ...
+    def weigh(self, x: Array) -> Array:
+        """M x."""
+
+    def at(self, u: Array) -> tuple[Array, Callable[[float], Resolvent | None]]:
+        """f(u), and for a step h the map r -> (M - h f_u)^-1 r, None where there is none."""
+
+
+class DenseFlow:
+    """u' = f(u, p) of a compiled system at fixed p."""
+
+    def __init__(self, system: System, u: Array, p: Array) -> None:
+        self.system, self.p = system, p
+        metric = natural_metric(system, u, p)
+        self.sizes, self.time = metric.states, metric.time
+
+    def value(self, u: Array) -> Array:
+        return self.system.value(u, self.p)
+
+    def weigh(self, x: Array) -> Array:
+        return x
+
+    def at(self, u: Array) -> tuple[Array, Callable[[float], Resolvent | None]]:
+        f, jacobian = self.system.jacobian(u, self.p)
+        matrix = jacobian[:, : len(u)]
+
+        def resolvent(h: float) -> Resolvent | None:
+            inner = np.eye(len(u)) - h * matrix
+            if not np.all(np.isfinite(inner)):
+                return None
+            try:
+                inverse = np.linalg.inv(inner)
+            except np.linalg.LinAlgError:  # the step is repeated with a tenth of its length
+                return None
+            return lambda r: np.asarray(inverse @ r)
+
+        return f, resolvent
+
+
 def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relaxed:
     """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice.
 
@@ -55,7 +102,7 @@ def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relax
     u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
     time, used = 0.0, 0
     for attempt in range(PUSHES + 1):
-        found, taken = _run(system, u, p, steps - used)
+        found, taken = run(DenseFlow(system, u, p), u, steps - used)
         time, used = time + found.time, used + taken
         if found.outcome != "rest":
             return Relaxed(found.u, time, found.outcome, mean=found.mean)
@@ -74,7 +121,8 @@ def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relax
 def stiff_loop(system: System, u: Array, p: Array, steps: int = LOOP_STEPS) -> tuple[Array, Array] | None:
     """Times (K,) and states (K, n) of one turn on a cycle that a stiff flow is on, closed up to the method's error."""
     path: list[tuple[float, Array]] = []
-    end, _ = _run(system, np.array(u, dtype=float), np.asarray(p, dtype=float), steps, LOOP_TOLERANCE, path)
+    u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
+    end, _ = run(DenseFlow(system, u, p), u, steps, LOOP_TOLERANCE, path)
     if end.outcome != "moving" or len(path) < CALM:
         return None
     t, states = np.array([time for time, _ in path]), np.array([state for _, state in path])
@@ -98,23 +146,22 @@ def _crossing(t: Array, states: Array, level: Array, i: int) -> tuple[float, Arr
     return float(t[i] + part * (t[i + 1] - t[i])), states[i] + part * (states[i + 1] - states[i])
 
 
-def _run(
-    system: System, u: Array, p: Array, steps: int, tolerance: float = TOLERANCE,
-    path: list[tuple[float, Array]] | None = None,
-) -> tuple[Relaxed, int]:  # fmt: skip
-    n = int(system.n)
-    metric = natural_metric(system, u, p)
-    limit = ESCAPED * np.maximum(metric.states, np.abs(u))
-    size = np.maximum(np.abs(u), metric.states)
-    h, time, calm = 1e-3 * metric.time, 0.0, 0
+def run(
+    flow: Flow, u: Array, steps: int, tolerance: float = TOLERANCE, path: list[tuple[float, Array]] | None = None
+) -> tuple[Relaxed, int]:
+    """Where the flow comes to rest from u, or is after so many steps, and the steps taken; `path` takes the states."""
+    n = len(u)
+    limit = ESCAPED * np.maximum(flow.sizes, np.abs(u))
+    size = np.maximum(np.abs(u), flow.sizes)
+    h, time, calm = 1e-3 * flow.time, 0.0, 0
     weighted, weight = np.zeros(n), 0.0
+    here = flow.at(u)
     for taken in range(steps):
-        f, matrix = system.jacobian(u, p)
-        trial = _step(system, u, p, h, f, matrix[:, :n])
+        trial = _step(flow, u, h, *here)
         error = np.inf if trial is None else float(np.max(np.abs(trial[1]) / np.maximum(size, np.abs(trial[0]))))
         if not error <= tolerance:  # NaN is caught too
             h *= 0.1 if not np.isfinite(error) else max(0.2, 0.8 * elementary.pow(tolerance / error, 1.0 / 3.0))
-            if h <= 1e-14 * max(time, metric.time):
+            if h <= 1e-14 * max(time, flow.time):
                 return Relaxed(u, time, "failed"), taken
             continue
         assert trial is not None
@@ -131,22 +178,21 @@ def _run(
         if calm >= CALM:
             return Relaxed(u, time, "rest"), taken
         h *= min(5.0, 0.8 * elementary.pow(tolerance / max(error, 1e-300), 1.0 / 3.0))
+        here = flow.at(u)
     return Relaxed(u, time, "moving", mean=weighted / weight if weight > 0.0 else None), steps
 
 
-def _step(system: System, u: Array, p: Array, h: float, f: Array, matrix: Array) -> tuple[Array, Array] | None:
+def _step(
+    flow: Flow, u: Array, h: float, f: Array, resolvents: Callable[[float], Resolvent | None]
+) -> tuple[Array, Array] | None:
     """(state, estimated error) after a step; None where the linear systems or the equations fail."""
-    inner = np.eye(len(u)) - h * _D * matrix
-    if not (np.all(np.isfinite(inner)) and np.all(np.isfinite(f))):
+    solve = resolvents(h * _D) if np.all(np.isfinite(f)) else None
+    if solve is None:
         return None
-    try:
-        inverse = np.linalg.inv(inner)
-    except np.linalg.LinAlgError:  # the step is repeated with a tenth of its length
-        return None
-    k1 = inverse @ f
-    f1 = system.value(u + 0.5 * h * k1, p)
-    k2 = inverse @ (f1 - k1) + k1
+    k1 = solve(f)
+    f1 = flow.value(u + 0.5 * h * k1)
+    k2 = solve(f1 - flow.weigh(k1)) + k1
     after = u + h * k2
-    f2 = system.value(after, p)
-    k3 = inverse @ (f2 - _E * (k2 - f1) - 2.0 * (k1 - f))
+    f2 = flow.value(after)
+    k3 = solve(f2 - _E * (flow.weigh(k2) - f1) - 2.0 * (flow.weigh(k1) - f))
     return (after, h / 6.0 * (k1 - 2.0 * k2 + k3)) if np.all(np.isfinite(after)) else None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.location.rest_of_step import is_linear, solved
+from contin.continuation.location.rest_of_step import is_linear, rounding, solved
 from contin.continuation.sample import Sample
 from contin.machine.elementary import log
 
@@ -151,7 +151,11 @@ def vanishes_linearly(stretch: Stretch, point: Sample, side: Side, crossing: NDA
     if np.all(np.abs(side.near.tests[crossing]) == 1.0) and np.all(np.abs(side.far.tests[crossing]) == 1.0):
         return True
     if not side.lost:
-        return side.nearer is None or is_linear(stretch, point, side.near, side.nearer, crossing)
+        if side.nearer is None or is_linear(stretch, point, side.near, side.nearer, crossing):
+            return True
+        noise = rounding(stretch, side.nearer, side.near)[crossing]
+        if not np.any(np.abs(side.nearer.tests[crossing]) <= noise):  # what is no rounding error vanishes otherwise
+            return False
     farther = (FARTHER - 1.0) * side.distance / (side.width - side.distance)
     beyond = stretch.between(side.near, side.far, farther) if farther < 1.0 else None
     return beyond is not None and is_linear(stretch, point, beyond, side.near, crossing)

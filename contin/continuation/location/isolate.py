@@ -324,6 +324,9 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
     """One simple event: bracket its test, then verify. Returns the bracket and the point, or why it is none."""
     problem = stretch.problem
     index = problem.test_of(type_)
+    if index is None and a.unstable == b.unstable:  # a branch that turns where it crosses another
+        changed = np.flatnonzero(a.tests * b.tests < 0.0)
+        index = int(changed[0]) if changed.size else None
 
     def value(sample: Sample) -> float:
         if index is None:

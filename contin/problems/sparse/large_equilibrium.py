@@ -17,6 +17,7 @@ from contin.continuation import march as python_march
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
+from contin.linalg.linear import DirectLinear
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.problems.sparse import special_points
@@ -90,7 +91,7 @@ class LargeProblem(LargeEquations):
         return None if found is None else found.at
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return special_points.explain(a, b)
+        return special_points.explain(a, b, isinstance(self.work.linear, DirectLinear))
 
     def test_of(self, type_: str) -> int | None:
         return {"LP": 0, "HB": 2}.get(type_)

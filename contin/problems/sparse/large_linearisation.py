@@ -7,7 +7,7 @@ tangent the fold's test wants dp/ds as a part of itself. Errors are those that t
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,13 @@ SLOPE = 1e-3  # ... and of dp/ds
 ROUNDED = 1e-14  # at best
 ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
 CHORD = 1e-3  # (scaled) from which the chord between two points says more about the tangent than rounding
+
+
+@lru_cache(maxsize=4)
+def _generic(n: int) -> Array:
+    """Of length 1, with no pattern, the same wherever it is asked for; its last component is 0."""
+    r = np.append(np.random.default_rng(7).uniform(-1.0, 1.0, n - 1), 0.0)
+    return np.asarray(r / norm(r))
 
 
 @dataclass(eq=False)
@@ -62,15 +69,15 @@ class LargeLinearisation:
 
     @cached_property
     def log_determinant(self) -> float:
-        """In place of log |det M|, which swings by many powers of ten when n is large: -2 log |M^-1 e|.
+        """In place of log |det M|, which swings by many powers of ten when n is large: -log |M^-1 r|, r random.
 
-        With it, the test for branch points is the sign of the determinant times 1/|M^-1 e|, about the smallest singular
-        value of M.
+        The test for branch points becomes the determinant's sign times about the smallest singular value of M. (Smooth
+        null vectors are nearly orthogonal to an r of a pattern.)
         """
         if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
             return 0.0
-        length = norm(self.solve(np.append(np.zeros(len(self.residual)), 1.0)))
-        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
+        length = norm(self.solve(_generic(len(self.residual) + 1)))
+        return -elementary.log(length) if 0.0 < length < np.inf else 0.0
 
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""

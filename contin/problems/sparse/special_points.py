@@ -44,23 +44,24 @@ SAMPLES = 2
 RESIDUAL_LIMIT = 1e-7
 CRITICAL = 1e-5
 VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
+SINGULAR = -16.0  # logarithm of about the smallest singular value of a matrix that is singular
 EPSILON = float(np.finfo(float).eps)
 
 
-def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+def explain(a: Sample, b: Sample, factored: bool) -> tuple[str, ...] | None:
     """Event types that account for the change of the unstable count and of the signs of the tests; None: more than one.
 
-    The determinant changes sign with the parity of the count, except at folds; without factors it is silent.
+    The determinant changes sign with the parity of the count, except at folds. Without factors it is silent; with them
+    it tells a fold, next to which the count may be one of rounding, from a branch that turns where it crosses another.
     """
     fold, determinant, pairs, _ = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(b.unstable - a.unstable)
     odd = moved % 2 == 1
-    seen = determinant if a.tests[1] > 0.0 or b.tests[1] < 0.0 or determinant else odd != fold
     if moved == 0 and not fold and not determinant:
         return ()
-    if moved == 1 and fold and not determinant:
+    if fold and not determinant and (moved == 1 or (moved == 0 and factored)):
         return ("LP",)
-    if moved <= 1 and (odd != fold) and (seen or not determinant):
+    if moved <= 1 and odd != fold:
         return ("BP",)
     return ("HB",) if moved == 2 and pairs and not fold and not determinant else None
 
@@ -75,7 +76,9 @@ def verify(problem: LargeEquations, type_: str, near: Sample, frame: Frame) -> O
 def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """What can be told apart of several events at one place."""
     found: list[Outcome] = []
-    if a.tests[0] * b.tests[0] < 0.0:
+    if problem.explain(a, b) == ("BP",):
+        found.append(_branch_point(problem, a, frame))
+    elif a.tests[0] * b.tests[0] < 0.0:
         found.append(_fold(problem, a, frame))
     elif abs(a.unstable - b.unstable) > 1 and a.tests[2] * b.tests[2] > 0.0:
         found.append(_multiple(problem, a, frame, abs(a.unstable - b.unstable)))
@@ -392,8 +395,8 @@ def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
     if here is None:
         raise InputError(problem.describe_failure(z))
     t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
-    size = norm(t)
-    if np.isfinite(size) and size < 1e8:
+    size = norm(t)  # is moderate by chance at a branch point, where the equations of t are singular but consistent
+    if np.isfinite(size) and size < 1e8 and here.log_determinant > SINGULAR:
         return [t / size]
     try:
         reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)
