@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.linalg.vectors import dot, norm
 from contin.normalforms.coefficient import SAFETY, Coefficient
 from contin.problems.large_orbits.cycle import LargeCycle

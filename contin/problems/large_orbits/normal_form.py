@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.continuation.problem import Verified
+from contin.continuation.outcome import Verified
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.normalforms.coefficient import SAFETY, Coefficient
