@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
-from contin.abi import NO_FUNCTION, Address
+from contin.abi import NO_FUNCTION, Address, Array
+from contin.lowering.calls import Calls, make_call
 from contin.lowering.machine import MachineCode, compile_routines
 from contin.lowering.routines import Layout, jacobian_routine, vector_routine
 from contin.lowering.switching import piecewise_nodes, up_to_scale
@@ -53,6 +55,18 @@ class Pieces:
     code: MachineCode
     layout: Layout
     holding_code: MachineCode | None = None  # of surfaces some of which are held
+
+    @cached_property
+    def _distances(self) -> tuple[Calls, MachineCode]:
+        """The surface functions alone."""
+        code = compile_routines([vector_routine("distances", self.functions, self.layout)])
+        return Calls(self.n, self.p_size), code
+
+    def distances(self, u: Array, p: Array) -> Array:
+        """h_j at N points, (N, count): u (N, n), p (N, p_size); the modes in p do not matter."""
+        calls, code = self._distances
+        address = code.addresses["distances"]
+        return calls.vectors(make_call(address, 3), address, self.count, u, p)
 
     @property
     def count(self) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.machine import elementary
-from contin.problems.shooting.grazing import surface
+from contin.problems.shooting.grazing import surface, surfaces
 from contin.problems.shooting.number_of_segments import split
 from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import flights
@@ -46,8 +46,7 @@ class Touch:
 def touches(problem: ShootingProblem, z: Array, within: float = TOUCHING) -> list[Touch]:
     """All places where an extremum of a surface function is zero, or `within` (relative to its largest value) of it."""
     times, found = np.arange(SAMPLES) / SAMPLES, []
-    for j in range(problem.system.pieces.count):
-        h = surface(problem, z, j, times)
+    for j, h in enumerate(surfaces(problem, z, times).T):
         largest = float(np.abs(h).max())
         before, after = np.roll(h, 1), np.roll(h, -1)
         for k in np.flatnonzero(((h - before) * (after - h) <= 0.0) & (np.abs(h) < 0.1 * largest)):

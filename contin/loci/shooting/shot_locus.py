@@ -112,13 +112,20 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     def error_of_equations(self, z: Array, scale: Array) -> float:
         return error_of_equations(self.curve, z, scale) if isinstance(self.curve, ShootingCurve) else 0.0
 
+    def column(self, name: str, z: Array) -> Array:
+        return (self.columns(z) if name == "turns" else self._plain_columns(z))[name]
+
     def columns(self, z: Array) -> dict[str, Array]:
         """... and of touching orbits, where a family turns back at them."""
-        columns = super().columns(z) | self.angle_columns(z)
+        columns = self._plain_columns(z)
         if isinstance(self.curve, GrazingCurve) and len(z):
             scale = self.initial_scale(z[0], self.first_bounds)
             columns["turns"] = np.array([self.curve.settled(row, scale).turns(row, scale) for row in z])
         return columns
+
+    def _plain_columns(self, z: Array) -> dict[str, Array]:
+        """Those that need no trajectories beside the orbits."""
+        return super().columns(z) | self.angle_columns(z)
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         touched = self.curve.touched

@@ -14,7 +14,6 @@ from contin.abi import Array
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.model.evaluate import evaluate
 from contin.problems.shooting.sampling import crossings, states
 from contin.problems.shooting.signature import signature
 
@@ -92,12 +91,11 @@ def _raw(sample: Sample, frame: Frame) -> Array:
     return np.where(sample.tangent == 0.0, 0.0, sample.tangent * frame.scale)
 
 
-def clearance(problem: ShotEquations, z: Array, surfaces: list[int]) -> float:
+def clearance(problem: ShotEquations, z: Array, missing: list[int]) -> float:
     """How close the orbit comes to one of these surfaces without crossing it: the smallest such |h|."""
     times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossings(problem, z))
     best = np.inf
-    for j in surfaces:
-        h = surface(problem, z, j, times)
+    for j, h in zip(missing, surfaces(problem, z, times).T[missing], strict=True):
         inner = np.abs(h)
         low = (inner <= np.roll(inner, 1)) & (inner <= np.roll(inner, -1))
         low &= (h * np.roll(h, 1) > 0.0) & (h * np.roll(h, -1) > 0.0)
@@ -119,12 +117,14 @@ def _bottom(a: float, b: float, c: float) -> float:
 
 def surface(problem: ShotEquations, z: Array, j: int, times: Array) -> Array:
     """h_j at scaled times."""
-    system = problem.system
-    p, u = problem.full_parameters(z), states(problem, z, times)
-    names = [*system.state_names, *system.parameter_names]
-    formula = system.pieces.functions[j]
-    period = float(z[-problem.n - 3])
-    return np.array([
-        float(evaluate(formula, {**dict(zip(names, [*row, *p], strict=False)), "t": t * period}))
-        for row, t in zip(u.tolist(), times.tolist(), strict=True)
-    ])  # fmt: skip
+    return np.ascontiguousarray(surfaces(problem, z, times)[:, j])
+
+
+def surfaces(problem: ShotEquations, z: Array, times: Array) -> Array:
+    """All h_j at scaled times, (T, count)."""
+    pieces, u = problem.system.pieces, states(problem, z, times)
+    p = np.zeros((len(times), pieces.p_size))
+    p[:, : pieces.first_mode] = problem.full_parameters(z)[: pieces.first_mode]
+    if problem.system.is_forced:
+        p[:, -1] = times * float(z[-problem.n - 3])
+    return pieces.distances(u, p)

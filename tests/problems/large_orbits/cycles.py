@@ -10,16 +10,16 @@ import contin
 
 def planted(a3, a5, exact=False):
     """r' = r (mu + (a3 + a) r^2 + a5 r^4) with angle t; on it hang a plane that turns by half an angle in a period,
-    with multipliers -exp(T (-0.5 - a +- r)); one with exp(T (mu - 0.3 - a +- 0.4 i)); and
-    s' = (mu - 0.4 - a) s - s^3."""
+    with multipliers -exp(T (-0.5 - a +- r)) and w^2 = r - 0.5 - a on the doubled orbit; one with
+    exp(T (mu - 0.3 - a +- 0.4 i)); and s' = (mu - 0.4 - a) s - s^3."""
 
     def residual(z, p):
         x, y, w1, w2, v1, v2, s = z
         mu, a, r2 = p["mu"], p["a"], x * x + y * y
-        growth = mu + (a3 + a) * r2 + a5 * r2 * r2
+        growth, pull = mu + (a3 + a) * r2 + a5 * r2 * r2, 0.5 + a + w1 * w1 + w2 * w2
         return np.array([
             growth * x - y, growth * y + x,
-            -(0.5 + a) * w1 + x * w1 + y * w2 - 0.5 * w2, -(0.5 + a) * w2 + y * w1 - x * w2 + 0.5 * w1,
+            -pull * w1 + x * w1 + y * w2 - 0.5 * w2, -pull * w2 + y * w1 - x * w2 + 0.5 * w1,
             (mu - 0.3 - a) * v1 - 0.4 * v2, (mu - 0.3 - a) * v2 + 0.4 * v1, (mu - 0.4 - a) * s - s**3,
         ])  # fmt: skip
 
@@ -27,10 +27,12 @@ def planted(a3, a5, exact=False):
         x, y, w1, w2, _, _, s = z
         mu, a, r2 = p["mu"], p["a"], x * x + y * y
         growth, slope = mu + (a3 + a) * r2 + a5 * r2 * r2, 2 * (a3 + a) + 4 * a5 * r2
+        pull, w12 = 0.5 + a + w1 * w1 + w2 * w2, 2 * w1 * w2
         full = np.array([
             [growth + slope * x * x, slope * x * y - 1, 0, 0, 0, 0, 0],
             [slope * x * y + 1, growth + slope * y * y, 0, 0, 0, 0, 0],
-            [w1, w2, x - 0.5 - a, y - 0.5, 0, 0, 0], [-w2, w1, y + 0.5, -x - 0.5 - a, 0, 0, 0],
+            [w1, w2, x - pull - 2 * w1 * w1, y - 0.5 - w12, 0, 0, 0],
+            [-w2, w1, y + 0.5 - w12, -x - pull - 2 * w2 * w2, 0, 0, 0],
             [0, 0, 0, 0, mu - 0.3 - a, -0.4, 0], [0, 0, 0, 0, 0.4, mu - 0.3 - a, 0],
             [0, 0, 0, 0, 0, 0, mu - 0.4 - a - 3 * s * s],
         ])  # fmt: skip

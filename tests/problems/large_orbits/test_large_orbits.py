@@ -72,6 +72,7 @@ def test_bifurcations_of_cycles_are_where_they_were_planted(supercritical):
     assert crossing.columns["mu"].max() > 0.4
     doubled = contin.continuation(found["PD1"].switch(), "mu", (0.2, 0.6), settings={"steps": 2})
     np.testing.assert_allclose(doubled.columns["period"], 4 * np.pi, rtol=MESH)
+    np.testing.assert_allclose(doubled.columns["w1.max"] ** 2, np.sqrt(doubled.columns["mu"]) - 0.5, atol=MESH)
 
 
 def test_fold_of_cycles_behind_a_subcritical_hopf_point(subcritical):

@@ -46,6 +46,7 @@ def test_families_that_are_born_on_one_by_shooting(shot):
     assert crossing.columns["mu"].max() > 0.4
     doubled = contin.continuation(shot["PD1"].switch(), "mu", (0.2, 0.6), settings={"steps": 1})
     np.testing.assert_allclose(doubled.columns["period"], 4 * np.pi, rtol=ERROR)
+    np.testing.assert_allclose(doubled.columns["w1.max"] ** 2, np.sqrt(doubled.columns["mu"]) - 0.5, atol=ERROR)
     assert doubled.problem.layout.segments == 2
     with pytest.raises(InputError, match="a family that is born on one by shooting is followed by shooting"):
         contin.continuation(shot["PD1"].switch(), "mu", (0.2, 0.6), settings={"method": "collocation"})
