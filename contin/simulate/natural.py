@@ -175,17 +175,15 @@ def pure_derivatives(system: System, u: Array, p: Array) -> tuple[Array, Array]:
     What changes by a part of itself where states and parameters change by some hundred roundings is one of those: terms
     that cancel, by symmetry or by chance. (A zero that is exact, or comes of an exponent that is moved, says nothing.)
     """
-    n = int(system.n)
-    directions = np.eye(n, n + len(p))
-
-    def at(u: Array, p: Array) -> Array:
-        orders = [[np.abs(system.derivative(u, p, *order * [d])) for d in directions] for order in (2, 3)]
-        return np.nan_to_num(np.swapaxes(np.array(orders), 1, 2), posinf=0.0)
-
-    here = at(u, p)
-    signs = np.where(np.arange(n + len(p)) % 2 == 0, 1.0, -1.0)
-    for nudge in (NUDGE * signs, NUDGE * np.ones(n + len(p))):
-        there = at(u * (1.0 + nudge[:n]), p * (1.0 + nudge[n:]))
+    n, z = int(system.n), np.concatenate([u, p])
+    directions = np.tile(np.eye(n, len(z)), (3, 1))
+    signs = np.where(np.arange(len(z)) % 2 == 0, 1.0, -1.0)
+    nudges = np.array([np.zeros(len(z)), NUDGE * signs, np.full(len(z), NUDGE)])
+    places = np.repeat(z * (1.0 + nudges), n, axis=0)
+    orders = [system.derivatives(places[:, :n], places[:, n:], *order * [directions]) for order in (2, 3)]
+    size = np.nan_to_num(np.abs(np.array(orders)).reshape(2, 3, n, n).swapaxes(2, 3), posinf=0.0)
+    here = size[:, 0].copy()
+    for there in (size[:, 1], size[:, 2]):
         here[(np.abs(there - here) > CHANCE * here) & (there > 0.0)] = 0.0
     return here[0], here[1]
 
