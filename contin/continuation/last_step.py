@@ -158,7 +158,7 @@ class _LastStep:
             reach = just_beyond(self.stretch, self.last, self.marched)
             self.reach = None if reach is self.last else reach
         if self.loop is not None and self.end is None and stop not in (Stop.LIMIT, Stop.RESCALE):
-            closing = back_at_start(self.stretch, self.last, self.loop)
+            closing = back_at_start(self.stretch, self.last, self.loop, earlier)
             if closing is not None:
                 self.last, self.end = closing
         items = list(self._events(earlier))

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from contin.machine import environment
 from tests.cli.calls import call
 
 MODEL = """
@@ -41,7 +42,10 @@ def folder(tmp_path_factory):
     (place / "bautin.yaml").write_text(MODEL)
     (place / "first.yaml").write_text(FIRST)
     (place / "second.yaml").write_text(SECOND)
-    assert call("run", place / "first.yaml", "--quiet") == 0
+    if environment.fixed():
+        assert call("run", place / "first.yaml", "--quiet") == 0
+    else:  # the command fixes numpy and the libraries under it: this process computes with others
+        subprocess.run([sys.executable, "-m", "contin", "run", "first.yaml", "--quiet"], cwd=place, check=True)
     return place
 
 

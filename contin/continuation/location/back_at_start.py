@@ -16,11 +16,12 @@ CLOSED: Final = 1e-5  # a branch has returned to its start when it passes it clo
 NEAR: Final = 4.0  # last steps: how close to its start a branch is where that is worth a look
 
 
-def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample, End] | None:
+def back_at_start(stretch: Stretch, last: Sample, loop: Sample, earlier: Sample | None) -> tuple[Sample, End] | None:
     """The start `loop` again, where the step to `last` passed it, and the end of the arm there.
 
     Angles are as the branch brought them, some periods further, and so are the auxiliary vectors of a locus, whose sign
-    may have turned.
+    may have turned.  earlier : the row before the step, None in the first one, which leaves the start and does not
+    come back to it, though the start solved again may lie behind it by rounding.
     """
     problem, scale = stretch.problem, stretch.frame.scale
     near = NEAR * stretch.distance(stretch.base, last)
@@ -34,6 +35,8 @@ def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample,
     if not (along(stretch.base) < 0.0 <= along(last)):
         return None
     if np.linalg.norm(offset(problem, last.z, start.z, scale)) > near:
+        return None
+    if earlier is None and np.linalg.norm(offset(problem, stretch.base.z, start.z, scale)) <= CLOSED:
         return None
     _, high = stretch.zero(along, stretch.base, last, 1e-9)
     start = problem.in_phase(loop, high.z, scale)

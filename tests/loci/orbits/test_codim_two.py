@@ -54,7 +54,7 @@ def curve(
 ):  # fmt: skip
     """The curve through the first such point of the circle with the first parameter rising through the box."""
     orbit = orbit_on_circle(equations, {name: box[name][0] for name in names}, method=method)
-    family = contin.continuation(orbit, names[0], box[names[0]])
+    family = contin.continuation(orbit, names[0], box[names[0]], settings={"stop_at": (label,)})
     point = next(p for p in family.points if p.type == label)
     return contin.continuation(point.locus(names), names, box)
 
@@ -90,8 +90,8 @@ def test_folds_of_doubled_orbits_end_at_the_degenerate_period_doubling():
     """s' = p s + q s^3 - s^5: doubled orbits with p + q s^2 = s^4 fold at p = -q^2/4, s^2 = q/2, which is 0 at GPD."""
     equations = twisted(f"p + q*{SQUARE} - ({SQUARE})^2", "-1")
     orbit = orbit_on_circle(equations, {"p": -0.3, "q": 0.5})
-    family = contin.continuation(orbit, "p", (-0.3, 0.4))
-    doubled = contin.continuation(family["PD1"].switch(), "p", (-0.3, 0.4))
+    family = contin.continuation(orbit, "p", (-0.3, 0.4), settings={"stop_at": ("PD",)})
+    doubled = contin.continuation(family["PD1"].switch(), "p", (-0.3, 0.4), settings={"stop_at": ("LPC",)})
     folds = contin.continuation(doubled["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-1, 0.7)})
     np.testing.assert_allclose(folds.columns["p"], -(folds.columns["q"] ** 2) / 4, atol=1e-8)
     assert [p.type for p in folds.points] == []
@@ -204,7 +204,7 @@ def test_folds_meet_further_critical_multipliers():
 def folds_of(equations: dict[str, str]):
     """The curve p = 0 of folds of x = +-sqrt(p), from the family at q = -0.3 followed down in p."""
     orbit = orbit_on_circle(equations, {"p": 0.25, "q": -0.3}, 0.5)
-    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down")
+    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down", settings={"stop_at": ("LPC",)})
     folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-0.5, 0.5), "q": (-0.3, 0.4)})
     np.testing.assert_allclose(folds.columns["p"], 0, atol=1e-8)
     return folds
@@ -214,7 +214,7 @@ def folds_of(equations: dict[str, str]):
 def test_two_curves_of_folds_meet_in_a_cusp(method):
     """x' = p + q x - x^3: folds 27 p^2 = 4 q^3."""
     orbit = orbit_on_circle({"x": "p + q*x - x^3"}, {"p": 0.6, "q": 0.8}, 1.16, method)
-    family = contin.continuation(orbit, "p", (-1, 1))
+    family = contin.continuation(orbit, "p", (-1, 1), settings={"stop_at": ("LPC",)})
     folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-0.5, 1.5)})
     np.testing.assert_allclose(27 * folds.columns["p"] ** 2, 4 * folds.columns["q"] ** 3, atol=1e-7)
     assert [p.type for p in folds.points] == ["CPC"]
@@ -225,7 +225,7 @@ def test_two_curves_of_folds_meet_in_a_cusp(method):
 def test_doubled_orbits_leave_a_period_doubling_along_any_parameter(method):
     """s' = (p + q - s^2) s: doubled orbits with s^2 = p + q, followed from q = 0.1 with p fixed at -0.1."""
     orbit = orbit_on_circle(twisted(f"p + q - {SQUARE}", "-1"), {"p": -0.3, "q": 0.1}, method=method)
-    family = contin.continuation(orbit, "p", (-0.3, 0.3))
+    family = contin.continuation(orbit, "p", (-0.3, 0.3), settings={"stop_at": ("PD",)})
     doubled = contin.continuation(family["PD1"].switch("q"), "q", (0.0, 0.5))
     q = doubled.columns["q"]
     np.testing.assert_allclose(doubled.columns["period"], 4 * pi, rtol=1e-9)

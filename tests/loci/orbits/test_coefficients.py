@@ -62,9 +62,9 @@ def point(
         at = np.linspace(0, time[-1], 201)
         u = np.column_stack([np.interp(at, time, column) for column in u.T])
     orbit = contin.periodic_orbit(model, u, period=period, method=method)
-    family = contin.continuation(orbit, names[0], box[names[0]])
+    family = contin.continuation(orbit, names[0], box[names[0]], settings={"stop_at": (label,)})
     seed = next(p for p in family.points if p.type == label)
-    branch = contin.continuation(seed.locus(names), names, box)
+    branch = contin.continuation(seed.locus(names), names, box, settings={"stop_at": (type_,)})
     return next(p for p in branch.points if p.type == type_)
 
 
@@ -138,8 +138,9 @@ def test_cusp_of_cycles(k):
     u = np.column_stack([np.cos(angle), np.sin(angle), np.full(201, x)])
     at = np.linspace(0, time[-1], 201)
     u = np.column_stack([np.interp(at, time, column) for column in u.T])
-    family = contin.continuation(contin.periodic_orbit(model, u, period=float(time[-1])), "p", (-1.5, 1))
-    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1.5, 1), "q": (-0.5, 1.5)})
+    orbit, box = contin.periodic_orbit(model, u, period=float(time[-1])), {"p": (-1.5, 1), "q": (-0.5, 1.5)}
+    family = contin.continuation(orbit, "p", box["p"], settings={"stop_at": ("LPC",)})
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box, settings={"stop_at": ("CPC",)})
     assert_within(folds["CPC1"].normal_form, "c", c, 1e-5)
 
 
@@ -199,8 +200,10 @@ def test_one_to_one_resonance():
     model = Model("takens", states={"a": 1.0, "b": 0.0, "x": 0.5, "y": 0.0}, parameters={"p": 0.25, "q": -0.3},
                   equations=equations)  # fmt: skip
     u = np.column_stack([np.cos(angle), np.sin(angle), np.full(201, 0.5), np.zeros(201)])
-    family = contin.continuation(contin.periodic_orbit(model, u, period=2 * pi), "p", (-0.5, 0.5), direction="down")
-    form = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box)["R11"].normal_form
+    orbit = contin.periodic_orbit(model, u, period=2 * pi)
+    family = contin.continuation(orbit, "p", box["p"], direction="down", settings={"stop_at": ("LPC",)})
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box, settings={"stop_at": ("R1",)})
+    form = folds["R11"].normal_form
     a, b = -((2 * pi) ** 2), 2 * pi - 2 * (2 * pi) ** 2
     assert_within(form, "a", a, 1e-5)
     assert_within(form, "b", b, 1e-5)
@@ -214,8 +217,9 @@ def test_forced_cycles_have_the_map_over_a_forcing_period():
     equations = {n: re.sub(r"\b[ab]\b", lambda m: turning[m.group()], text) for n, text in plane.items()}
     model = Model("forced", states={"c": 0.0, "d": 0.0}, parameters={"p": -0.3, "q": -0.5}, equations=equations,
                   forcing={"period": "2*pi"})  # fmt: skip
-    family = contin.continuation(contin.periodic_orbit(model, np.zeros((101, 2)), period=2 * pi), "p", FLIP["p"])
-    curve = contin.continuation(family["PD1"].locus(("p", "q")), ("p", "q"), FLIP)
+    orbit = contin.periodic_orbit(model, np.zeros((101, 2)), period=2 * pi)
+    family = contin.continuation(orbit, "p", FLIP["p"], settings={"stop_at": ("PD",)})
+    curve = contin.continuation(family["PD1"].locus(("p", "q")), ("p", "q"), FLIP, settings={"stop_at": ("GPD",)})
     assert_within(curve["GPD1"].normal_form, "e", -0.7)
 
 
@@ -225,7 +229,8 @@ def test_one_to_two_resonance_on_either_curve_through_it():
     equations = twisted("0", f"q - 0.8*{SQUARE}", along_by_z="1", across_by_s=f"p - 0.5*{SQUARE}")
     flip = point(equations, "PD", "R2", box)
     (seed,) = flip.locus(("p", "q"))
-    for form in (flip.normal_form, contin.continuation(seed, ("p", "q"), box)["R21"].normal_form):
+    tori = contin.continuation(seed, ("p", "q"), box, settings={"stop_at": ("R2",)})
+    for form in (flip.normal_form, tori["R21"].normal_form):
         assert_within(form, "C1", -0.5 * (4 * pi) ** 2, 1e-5)
         assert_within(form, "D1", -0.8 * 4 * pi, 1e-5)
         assert form["case"] == "C1 < 0, D1 < 0"
@@ -243,7 +248,8 @@ def test_a_section_across_the_cycle_and_a_forcing_period_give_the_same():
         model = Model("year", states={"x": 0.5, "y": 0.25, **start}, parameters={"b": 0.5, "E": 0.05},
                       equations=equations, forcing=None if more else {"period": "1"})  # fmt: skip
         u = np.hstack([np.full((101, 2), (0.5, 0.25)), samples])
-        family = contin.continuation(contin.periodic_orbit(model, u, period=1.0), "E", (0.0, 0.7))
+        orbit = contin.periodic_orbit(model, u, period=1.0)
+        family = contin.continuation(orbit, "E", (0.0, 0.7), settings={"stop_at": ("PD",)})
         box = {"b": (0.3, 0.55), "E": (0.0, 0.7)}
         curve = contin.continuation(family["PD1"].locus(("b", "E")), ("b", "E"), box)
         return curve["GPD1"].normal_form, curve["R21"].normal_form

@@ -41,9 +41,9 @@ def fold_form(
         equations=changed(whole, factor, matrix),
     )  # fmt: skip
     orbit = contin.periodic_orbit(model, u, period=float(time[-1]), method=method)
-    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down")
+    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down", settings={"stop_at": ("LPC",)})
     box = {"p": (-0.5, 0.5), "q": (-0.3, 0.4)}
-    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box)
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box, settings={"stop_at": (type_,)})
     return next(p for p in folds.points if p.type == type_).normal_form
 
 
@@ -153,8 +153,9 @@ def test_forced_cycles_have_the_map_over_a_forcing_period():
     equations = {n: re.sub(r"\b[ab]\b", lambda m: turning[m.group()], text) for n, text in plane.items()}
     model = Model("forced", states=dict.fromkeys("cdef", 0.0), parameters={"p": -0.15, "q": -0.17}, equations=equations,
                   forcing={"period": "2*pi"})  # fmt: skip
-    family = contin.continuation(contin.periodic_orbit(model, np.zeros((101, 4)), period=T), "p", (-0.15, 0.2))
-    curve = contin.continuation(family["NS1"].locus(("p", "q")), ("p", "q"), {"p": (-0.15, 0.2), "q": (-0.17, 0.15)})
+    orbit, box = contin.periodic_orbit(model, np.zeros((101, 4)), period=T), {"p": (-0.15, 0.2), "q": (-0.17, 0.15)}
+    family = contin.continuation(orbit, "p", box["p"], settings={"stop_at": ("NS",)})
+    curve = contin.continuation(family["NS1"].locus(("p", "q")), ("p", "q"), box, settings={"stop_at": ("PDNS",)})
     form = next(p for p in curve.points if p.type == "PDNS").normal_form
     for key, value in {"p11": 0.3, "p12": -0.4, "p21": 0.5, "p22": -1.4}.items():
         assert_within(form, key, T * value)
@@ -177,10 +178,11 @@ def test_under_a_condition_it_is_the_same_point():
     model = Model("under", states={"x": 0.5, "c": 0.0, "d": 0.0}, parameters={"p": 0.25, "q": -0.1, "r": -0.05},
                   equations=equations, forcing={"period": "2*pi"})  # fmt: skip
     orbit = contin.periodic_orbit(model, np.tile([0.5, 0.0, 0.0], (101, 1)), period=T)
-    family = contin.continuation(orbit, "p", (-0.1, 0.3), direction="down")
+    family = contin.continuation(orbit, "p", (-0.1, 0.3), direction="down", settings={"stop_at": ("LPC",)})
     seed = family["LPC1"].locus(("p", "q"))
     box = {"p": (-0.1, 0.3), "q": (-0.1, 0.1)}
-    folds = contin.continuation(seed, ("p", "q"), box, conditions=["r = q/2"], free=["r"])
+    to_flip = {"stop_at": ("LPPD",)}
+    folds = contin.continuation(seed, ("p", "q"), box, settings=to_flip, conditions=["r = q/2"], free=["r"])
     form = next(p for p in folds.points if p.type == "LPPD").normal_form
     assert_within(form, "a", 4.0)
     assert_within(form, "c", 16.0)

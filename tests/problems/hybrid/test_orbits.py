@@ -88,7 +88,7 @@ def _flip():
                    for e in np.eye(2)]  # fmt: skip
         return np.trace(np.array(columns))
 
-    return brentq(lambda A: trace(A) + 1.0 + R * R, 1.2 * FOLD, 1.8 * FOLD, xtol=1e-14)
+    return brentq(lambda A: trace(A) + 1.0 + R * R, 1.2 * FOLD, 1.8 * FOLD, xtol=1e-12)
 
 
 def test_a_family_ends_where_its_orbit_grazes_the_table(bouncing):
@@ -102,7 +102,7 @@ def test_a_family_ends_where_its_orbit_grazes_the_table(bouncing):
         height = A * np.sin(phase) + 0.5 * t - 0.5 * t * t - A * np.sin(phase + OMEGA * t)
         return height, 0.5 - t - A * OMEGA * np.cos(phase + OMEGA * t)
 
-    A, _ = fsolve(equations, [end.data["at"]["A"] * 1.001, 0.37], xtol=1e-14)
+    A, _ = fsolve(equations, [end.data["at"]["A"] * 1.001, 0.37], xtol=1e-12)
     assert end.data["at"]["A"] == pytest.approx(A, rel=1e-8)
 
 
@@ -171,7 +171,7 @@ def test_an_oscillator_with_impacts_has_its_amplitude():
         return x + 1.0, -r * v + q - z[0]
 
     orbit = contin.periodic_orbit(model)
-    speed, period = fsolve(closed, [orbit.u[-1], orbit.period], xtol=1e-14)
+    speed, period = fsolve(closed, [orbit.u[-1], orbit.period], xtol=1e-12)
     assert orbit.period == pytest.approx(period, rel=1e-10)
     branch = contin.continuation(orbit, "q", (0.75, 0.85))
     after = -r * flown(speed, period)[1] + q

@@ -23,9 +23,10 @@ SHOT = {"method": "shooting"}
 LEAST = 1e-4  # of a coefficient: errors of differences
 ABOVE = pi - 2 * asin(0.1)  # of a turn, where b > 0.1
 JUMPING = {"factor": "(2 if b > 0.1 else 1)", "period": T - ABOVE / 2}
+ALSO_JUMPING = pytest.param(JUMPING, id="jumping", marks=pytest.mark.long)
 
 
-@pytest.mark.parametrize("change", [{}, JUMPING], ids=["smooth", "jumping"])
+@pytest.mark.parametrize("change", [pytest.param({}, id="smooth"), ALSO_JUMPING])
 def test_flip_torus(change):
     r = "(e^2 + f^2)"
     x, y = amplitude("e", "f", f"p + 0.5*{SQUARE} - 0.7*{r}", "0.15")
@@ -51,7 +52,10 @@ def test_two_tori():
     assert form["case"] == "simple case II"
 
 
-@pytest.mark.parametrize("factor", ["1", "(1 + a/2 + 0.3*x)"], ids=["plain", "period"])
+@pytest.mark.parametrize(
+    "factor",
+    [pytest.param("1", id="plain", marks=pytest.mark.long), pytest.param("(1 + a/2 + 0.3*x)", id="period")],
+)
 def test_fold_torus(factor):
     x, y = amplitude("c", "d", "q + 0.2*x + 0.4*x^2 - (c^2 + d^2)", "0.3")
     form = fold_form({"x": "p - x^2 - 0.8*(c^2 + d^2)", "c": x, "d": y}, "LPNS", factor, **SHOT)
@@ -70,7 +74,7 @@ def test_fold_flip():
     assert form["case"].startswith("a < 0, b > 0, invariant curve of the doubled orbit ")
 
 
-@pytest.mark.parametrize("change", [{}, JUMPING], ids=["smooth", "jumping"])
+@pytest.mark.parametrize("change", [pytest.param({}, id="smooth"), ALSO_JUMPING])
 def test_strong_resonances_of_pairs(change):
     """As those by collocation: a = Re C / (6 pi B^2) of R3, A0 = C / |D| of R4."""
     form = point(resonant(0.5, 2), "NS", "R3", {**PAIR, "q": (0.3, 0.36)}, **SHOT, **change).normal_form
@@ -100,8 +104,9 @@ def test_one_to_one_resonance():
 def test_cusp():
     """x' = p + q x - 0.3 x^3 over 2 pi: x -> x - 0.3 T x^3."""
     orbit = orbit_on_circle({"x": "p + q*x - 0.3*x^3"}, {"p": 0.6, "q": 0.8}, 1.887, "shooting")
-    family = contin.continuation(orbit, "p", (-1.5, 1))
-    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1.5, 1), "q": (-0.5, 1.5)})
+    box = {"p": (-1.5, 1), "q": (-0.5, 1.5)}
+    family = contin.continuation(orbit, "p", box["p"], settings={"stop_at": ("LPC",)})
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box, settings={"stop_at": ("CPC",)})
     assert_within(folds["CPC1"].normal_form, "c", -0.3, LEAST)
 
 
@@ -136,8 +141,9 @@ def test_forced_cycles(method):
                   equations=equations, forcing={"period": "2*pi"})  # fmt: skip
     start = np.tile([0.5, 0.0, 0.0], (101, 1))
     orbit = contin.periodic_orbit(model, start, period=T, method=method)
-    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down")
-    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-0.5, 0.5), "q": (-0.3, 0.4)})
+    box = {"p": (-0.5, 0.5), "q": (-0.3, 0.4)}
+    family = contin.continuation(orbit, "p", box["p"], direction="down", settings={"stop_at": ("LPC",)})
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), box, settings={"stop_at": ("LPPD",)})
     form = next(p for p in folds.points if p.type == "LPPD").normal_form
     assert_within(form, "a", -4.0, LEAST)
     assert_within(form, "b", 0.2 * T * T, LEAST)
