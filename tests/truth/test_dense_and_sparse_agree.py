@@ -76,7 +76,7 @@ def test_points_of_random_systems_are_those_of_the_dense_methods(zero):
     assert seen >= ({"BP", "HB"} if zero else {"LP"})
 
 
-@pytest.mark.parametrize(("seed", "types"), [(306, ["BT"]), (309, ["ZH", "GH"])])
+@pytest.mark.parametrize(("seed", "types"), [pytest.param(306, ["BT"], marks=pytest.mark.long), (309, ["ZH", "GH"])])
 def test_curves_of_hopf_points_of_a_state_zero_are_those_of_the_dense_methods(seed, types):
     """There a curve of branch points takes the place of that of folds, and no parameter unfolds what vanishes at ZH."""
     curves = []

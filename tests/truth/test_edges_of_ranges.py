@@ -152,5 +152,5 @@ def test_a_range_next_to_rounding_about_a_fold_has_no_branch_point():
             equations={"x": "p + x - x^3 + 0.1*(y - x)", "y": "x - y"},
         )  # fmt: skip
         start = contin.equilibrium(model, dict.fromkeys("xy", x + (width / 2 / 3**0.5) ** 0.5))
-        branch = contin.continuation(start, "p", (place - width / 2, place + width / 2), settings={"steps": 200})
+        branch = contin.continuation(start, "p", (place - width / 2, place + width / 2), settings={"steps": 60})
         assert "BP" not in {point.type for point in branch.points}

@@ -50,7 +50,7 @@ SHORT = [
     ("BPC", 1e-3, "collocation"), ("BPC", 1e-4, "collocation"),
     ("NS", 1e-3, "collocation"),
     ("PD", 1e-4, "collocation"), ("LPC", 1e-2, "collocation"),
-    ("BPC", 1e-3, "shooting"), ("NS", 1e-4, "shooting"),
+    ("NS", 1e-4, "shooting"),
 ]  # fmt: skip
 LONG = [
     pytest.param(t, e, m, marks=pytest.mark.long)

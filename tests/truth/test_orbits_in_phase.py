@@ -123,7 +123,7 @@ def labels_of(cells: Cells) -> list[list[Any]]:
     return [list(run.points) for run in runs]
 
 
-SHORT = [Cells(2, "platform", 1), Cells(3, "diffusion", 1)]
+SHORT = [Cells(3, "diffusion", 1)]
 LONG = [
     pytest.param(cells, marks=pytest.mark.long)
     for cells in (Cells(n, c, s) for n in (2, 3) for c in ("diffusion", "platform") for s in range(8))

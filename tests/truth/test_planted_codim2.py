@@ -84,7 +84,8 @@ def judged(systems: Iterable[Hidden], switching: bool = False) -> Ledger:
 
 
 def test_points_of_codimension_two_and_the_curves_that_leave_them():
-    systems = hidden(np.random.default_rng(5), flows.alone(np.random.default_rng(4)), most=3)
+    cores = list(flows.alone(np.random.default_rng(4)))[1::2]  # the long version takes them all
+    systems = hidden(np.random.default_rng(5), cores, most=3)
     judged(systems, switching=True).assert_clean()
 
 

@@ -143,7 +143,7 @@ def test_errors_of_crossings_hold_in_skewed_coordinates():
     assert found >= 7
 
 
-@pytest.mark.parametrize("beside", [3e-3, 1e-5, -1e-4])
+@pytest.mark.parametrize("beside", [3e-3, pytest.param(1e-5, marks=pytest.mark.long), -1e-4])
 def test_two_crossings_as_one_are_seen_wherever_a_row_falls(beside):
     """A row near them has a small value of the test, but that is no measure of how far the test falls."""
     for size, condition in ((1, 1.0), (2, 2e3)):
@@ -158,7 +158,13 @@ def test_two_crossings_as_one_are_seen_wherever_a_row_falls(beside):
             assert abs(point.values["p"] - row - beside) <= point.error + 1e-12
 
 
-@pytest.mark.parametrize(("seed", "low", "high"), [(9056, -12, -8), (9092, -12, -8), (11106, -8, -2), (13047, -8, -2)])
+@pytest.mark.parametrize(
+    ("seed", "low", "high"),
+    [
+        (9056, -12, -8), pytest.param(9092, -12, -8, marks=pytest.mark.long),
+        pytest.param(11106, -8, -2, marks=pytest.mark.long), (13047, -8, -2),
+    ],
+)  # fmt: skip
 def test_pairs_that_the_rounding_of_the_jacobian_hides_are_noted(seed, low, high):
     """In skewed coordinates neighbouring points err alike: the test has a minimum above zero, of up to 1e-6."""
     generator = np.random.default_rng(seed)

@@ -26,7 +26,7 @@ def complaint(ring: Ring) -> str:
     return ""
 
 
-CASES = [Ring(5, 1e-6, seed=1), Ring(8, 1e6, seed=2)]
+CASES = [Ring(5, 1e-6, seed=1), pytest.param(Ring(8, 1e6, seed=2), marks=pytest.mark.long)]
 
 
 @pytest.mark.parametrize("ring", CASES, ids=str)
