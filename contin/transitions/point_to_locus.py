@@ -11,6 +11,7 @@ from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
+from contin.problems.equilibria.start_metric import near_point
 from contin.transitions.curve_through import seed_of
 from contin.transitions.on_surfaces import refuse_sliding
 from contin.transitions.registry import born
@@ -28,7 +29,8 @@ def loci_of_point(problem: EquilibriumProblem, point: SpecialPoint, parameters: 
             "its curve is not followed"
         )
     p = problem.full_parameters(point.z)
-    sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
+    known = point.scale.size > 0
+    sizes = near_point(problem, point.z, point.scale) if known else np.maximum(np.abs(point.z[:-1]), 1e-3)
     scalar = 0.0
     if point.type == "HB":
         scalar = elementary.square(float(point.vectors["omega"]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from contin.simulate.natural import BENDS_UP_TO, growth_lengths, pure_derivative
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
+
+FARTHER: Final = 10.0  # what a metric may allow for states that grow
 
 
 def scales_at(problem: AlgebraicEquations, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
@@ -27,6 +29,21 @@ def scales_at(problem: AlgebraicEquations, z: Array, bounds: tuple[float, float]
     growth = partial(_growth, problem, z, jacobian, width) if problem.n <= BENDS_UP_TO else None
     states, unknown = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
     return states, unknown, width
+
+
+def near_point(problem: AlgebraicEquations, z: Array, scale: Array) -> Array:
+    """Sizes (n,) for a curve that begins at a point z of a branch whose metric is `scale` (n + 1,).
+
+    The branch may have come from far away: a gas of large volume, whose liquid bends over a thousandth of it. A size is
+    no more than `FARTHER` times the state and the length over which the equations bend here, where these are known.
+    """
+    sizes = np.asarray(scale[:-1])
+    if problem.n > BENDS_UP_TO or not np.any(z[:-1] != 0.0):
+        return sizes
+    lengths = bending_lengths(z[:-1], problem.linearise(z)[1], _second_derivatives(problem, z), float(scale[-1]))
+    known = np.isfinite(lengths) & (lengths > 0.0)
+    here = FARTHER * np.maximum(np.abs(z[:-1]), lengths)
+    return np.where(known, np.minimum(sizes, here), sizes)
 
 
 def _second_derivatives(problem: AlgebraicEquations, z: Array) -> Array:
