@@ -27,7 +27,7 @@ def of_forced(
         raise InputError("manifold: orbits of smooth forced flows given by formulas have curves that are grown")
     strobe = Stroboscope(system, p[: system.m], profile.period, np.asarray(problem.winding, dtype=float), length)
     u, matrix = strobe.fixed_point(profile.u[0])
-    space = eigenspace(matrix, side, dimension, is_map=True)
+    space = eigenspace(matrix, side, dimension, by_multipliers=True)
     if space.dimension > 1:
         raise InputError(
             f"manifold: the {side} manifold of the stroboscopic map has {space.dimension} dimensions; curves are "

@@ -41,12 +41,12 @@ def noises(values: NDArray[np.complex128], rates: Array) -> Array:
 
 
 def count_and_tests(
-    values: NDArray[np.complex128], is_map: bool, rates: Array | None = None
+    values: NDArray[np.complex128], by_multipliers: bool, rates: Array | None = None
 ) -> tuple[int, Array]:
     """The number of unstable values and the four tests of `kernels.tests_of_stability`."""
     tests = np.zeros(4)
     re, im = np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag)
-    if is_map:
+    if by_multipliers:
         return int(map_tests(re, im, tests)), tests
     if rates is None:
         rates = np.full(len(values), float((np.abs(re) + np.abs(im)).max(initial=0.0)))

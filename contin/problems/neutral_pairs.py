@@ -46,9 +46,9 @@ LOOKS: Final = 5  # rows of a branch at which pairs are looked for
 ENOUGH: Final = 3  # ... that have them make a part of a branch
 
 
-def misfits(values: Values, is_map: bool) -> Array:
+def misfits(values: Values, by_multipliers: bool) -> Array:
     """|l_i + l_j| or |m_i m_j - 1|, (n, n), relative to their sizes; infinite on the diagonal."""
-    if is_map:
+    if by_multipliers:
         found = np.abs(values[:, None] * values - 1.0) / (1.0 + np.abs(values[:, None] * values))
     else:
         size = np.abs(values)
@@ -57,14 +57,14 @@ def misfits(values: Values, is_map: bool) -> Array:
     return np.asarray(found)
 
 
-def is_suspect(values: Values, is_map: bool) -> bool:
+def is_suspect(values: Values, by_multipliers: bool) -> bool:
     """True where two eigenvalues are so nearly a pair that only their errors tell whether they are one."""
     if len(values) > FEW:
-        return bool(np.all(np.isfinite(values)) and np.any(misfits(values, is_map) < SUSPECT))
+        return bool(np.all(np.isfinite(values)) and np.any(misfits(values, by_multipliers) < SUSPECT))
     listed = values.tolist()  # asked at every point that is looked at: numbers take less time than arrays
     if not all(map(isfinite, listed)):
         return False
-    if is_map:
+    if by_multipliers:
         return any(abs(a * b - 1.0) < SUSPECT * (1.0 + abs(a * b)) for a, b in combinations(listed, 2))
     return any(abs(a + b) < SUSPECT * max(abs(a) + abs(b), 1e-300) for a, b in combinations(listed, 2))
 
@@ -122,12 +122,12 @@ def _left_vectors(right: Values) -> Values:
     return np.asarray(left / np.linalg.norm(left, axis=0))
 
 
-def paired(values: Values, errors: Array, is_map: bool) -> Values:
+def paired(values: Values, errors: Array, by_multipliers: bool) -> Values:
     """The eigenvalues with those that are pairs to their errors made exact ones; each takes part in one pair."""
     exact = values.copy()
-    for i, j in _close(values, errors, is_map):
+    for i, j in _close(values, errors, by_multipliers):
         a, b = values[i], values[j]
-        if is_map:
+        if by_multipliers:
             root = np.sqrt(a * b)
             exact[i], exact[j] = a / root, b / root
         else:
@@ -135,10 +135,10 @@ def paired(values: Values, errors: Array, is_map: bool) -> Values:
     return exact
 
 
-def _close(values: Values, errors: Array, is_map: bool) -> Sequence[tuple[int, int]]:
+def _close(values: Values, errors: Array, by_multipliers: bool) -> Sequence[tuple[int, int]]:
     """The pairs to their errors, the closest first."""
     size = np.abs(values)
-    if is_map:
+    if by_multipliers:
         limits = errors[:, None] * size + errors * size[:, None]
         gaps = np.abs(values[:, None] * values - 1.0)
     else:
@@ -162,11 +162,11 @@ class NeutralMarch(DenseMarch):
     scale: Array
 
     def stability(self, z: Array) -> tuple[Array, int, Values]:
-        is_map = self.problem.is_map
+        by_multipliers = self.problem.is_map
         values, rates = spectrum(self.problem.linear_part(z))
-        if is_suspect(values, is_map):
-            values = paired(values, errors_of(self.problem, z, values, self.scale), is_map)
-        count, tests = count_and_tests(values, is_map, rates)
+        if is_suspect(values, by_multipliers):
+            values = paired(values, errors_of(self.problem, z, values, self.scale), by_multipliers)
+        count, tests = count_and_tests(values, by_multipliers, rates)
         return tests[2:], count, values
 
 
@@ -271,19 +271,19 @@ def _places(rows: int) -> list[int]:
     return [k * (rows - 1) // (LOOKS - 1) for k in range(LOOKS)] if rows >= LOOKS else []
 
 
-def _on_boundary(values: Values, is_map: bool, limit: float) -> int:
+def _on_boundary(values: Values, by_multipliers: bool, limit: float) -> int:
     """How many complex pairs are on the stability boundary, to the limit."""
     if not len(values):
         return 0
-    size = 1.0 if is_map else float(np.abs(values).max())
-    distance = np.abs(np.abs(values) - 1.0) if is_map else np.abs(values.real)
+    size = 1.0 if by_multipliers else float(np.abs(values).max())
+    distance = np.abs(np.abs(values) - 1.0) if by_multipliers else np.abs(values.real)
     return int(np.sum((distance <= limit * size) & (values.imag > np.sqrt(limit) * np.abs(values))))
 
 
-def _words(pairs: int, is_map: bool, along: str = "the branch") -> Sequence[str]:
+def _words(pairs: int, by_multipliers: bool, along: str = "the branch") -> Sequence[str]:
     if not pairs > 0:
         return ()
-    where, name = ("on the unit circle", "multipliers") if is_map else ("on the imaginary axis", "eigenvalues")
+    where, name = ("on the unit circle", "multipliers") if by_multipliers else ("on the imaginary axis", "eigenvalues")
     many = "a pair of" if pairs == 1 else f"{pairs} pairs of"
     return (
         f"{many} {name} stay{'s' if pairs == 1 else ''} {where} along {along}, to rounding, as where an energy or "

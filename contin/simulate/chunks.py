@@ -24,7 +24,7 @@ LONG = 20 * CHUNK  # steps; what takes less is not worth another method
 
 
 @dataclass(frozen=True, eq=False)
-class Watched:
+class Integrated:
     """The state u (n,) of an integration, its parameters p, and its absolute tolerances (n,): views of its memory."""
 
     system: CompiledSystem
@@ -43,7 +43,7 @@ class Watched:
 
 
 def in_chunks(
-    flown: Callable[[bool], int], watched: Watched, controls: Array, counts: NDArray[np.int64], budget: int
+    flown: Callable[[bool], int], now: Integrated, controls: Array, counts: NDArray[np.int64], budget: int
 ) -> tuple[int, bool, float]:  # fmt: skip
     """Chunks of steps until the kernel is done or there is no hope that it will be.
 
@@ -57,13 +57,13 @@ def in_chunks(
         started = True
         if status not in (kernel.STEPS, kernel.SMALL) or counts[2] > budget:
             break
-        higher = watched.raised()
+        higher = now.raised()
         if status == kernel.SMALL and not higher:
             break
         left = (float(controls[1]) - float(controls[0])) / max(float(controls[2]), 1e-300)
         if counts[2] > SURE and not higher and left > HOPELESS * budget:
             break
-        stiff = stiff + 1 if left > LONG and is_stiff(watched.system, watched.u, watched.p, float(controls[2])) else 0
+        stiff = stiff + 1 if left > LONG and is_stiff(now.system, now.u, now.p, float(controls[2])) else 0
         if stiff >= STIFF_CHUNKS:
             break
     return status, stiff >= STIFF_CHUNKS, left

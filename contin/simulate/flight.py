@@ -14,7 +14,7 @@ from contin.errors import InputError, NotFiniteError
 from contin.kernels.piecewise import flight as kernel
 from contin.kernels.piecewise.flow import Flow, new_memory
 from contin.model.evaluate import evaluate
-from contin.simulate.chunks import CHUNK, Watched, in_chunks, own_parameters
+from contin.simulate.chunks import CHUNK, Integrated, in_chunks, own_parameters
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section, plane_of
 
@@ -110,7 +110,7 @@ def fly(
     addresses = pieces.value_address, pieces.jacobian_address, pieces.surfaces_address
     flow = Flow(*addresses, n, pieces.count, pieces.first_mode, system.is_forced, of, plane_of(section, n))
     if system.is_forced and pieces.count:
-        max_step = min(max_step, _watchful(system, p, duration))
+        max_step = min(max_step, _step_where_time_switches(system, p, duration))
     memory = new_memory(n, pieces.count, pieces.p_size, y.size)  # type: ignore[no-untyped-call]
     memory.p[: pieces.first_mode] = np.asarray(p, dtype=float)[: pieces.first_mode]
     wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
@@ -122,7 +122,7 @@ def fly(
     flown = partial(kernel.fly, flow, memory, y, controls, errors, boxes, CHUNK)
     status, stiff, left = in_chunks(
         lambda started: flown(started, wanted, samples, found, ring, counts),
-        Watched(system, y[:n], memory.p, errors[:n]), controls, counts, budget,
+        Integrated(system, y[:n], memory.p, errors[:n]), controls, counts, budget,
     )  # fmt: skip
     crossed_last = counts[4] > 0 and ring[(counts[4] - 1) % CROSSINGS, 0] >= controls[0]
     if status == kernel.ESCAPED and not carried and not crossed_last:
@@ -159,7 +159,7 @@ def _leave(
     return high
 
 
-def _watchful(system: CompiledSystem, p: Array, duration: float) -> float:
+def _step_where_time_switches(system: CompiledSystem, p: Array, duration: float) -> float:
     """The longest step where formulas may switch with the time."""
     if system.model.forcing is None:
         return duration / STEPS_A_FLIGHT

@@ -48,7 +48,7 @@ class Jump:
 
 
 @dataclass(frozen=True, eq=False)
-class _Watched:
+class _WithClock:
     """The flow with its clock; observables are `when` of each event and its rate along the flow."""
 
     model: Model
@@ -105,23 +105,23 @@ def fly_with_events(
     count = len(model.events)
     errors = np.concatenate([atol, [1e-3 * rtol * duration], np.full(count, np.inf)])
     boxes = np.append(np.full(u.size, box), np.full(1 + count, np.inf))
-    watched = _Watched(model, system, p, rtol, errors, boxes)
+    flow = _WithClock(model, system, p, rtol, errors, boxes)
     y, t, length = np.append(u, np.zeros(1 + count)), 0.0, duration / PARTS
-    sides = _first_sides(watched, y)
+    sides = _first_sides(flow, y)
     kept_t, kept_u, steps, crossed = [times[:0]], [np.empty((0, y.size))], 0, 0
     jumps: list[Jump] = []
     why = ""
     while True:
         end = duration if t + length >= duration * (1.0 - AT_ONCE) else t + length
-        y[u.size :] = watched.begun(y, t, length)
+        y[u.size :] = flow.begun(y, t, length)
         wanted = times[(times > t if t > 0.0 else times >= 0.0) & (times <= end)]
-        flight = watched.fly(y, t, end, wanted, max(budget - steps, 1))
+        flight = flow.fly(y, t, end, wanted, max(budget - steps, 1))
         if flight.crossed > CROSSINGS:
             length *= 0.5  # not all crossings are known
             continue
-        when, fired, sides, why = _next_event(watched, flight, y, t, sides)
+        when, fired, sides, why = _next_event(flow, flight, y, t, sides)
         if fired:
-            flight = _cut(watched, flight, y, t, when, wanted)
+            flight = _cut(flow, flight, y, t, when, wanted)
             if is_last := when >= duration * (1.0 - AT_ONCE):  # no time is left beyond it but rounding
                 flight = _up_to_the_end(flight, wanted)
         kept_t.append(flight.t)
@@ -134,7 +134,7 @@ def fly_with_events(
             length = min(2.0 * length, duration / PARTS)
             continue
         begun = jumps[-1].time if jumps else 0.0
-        happened, y, sides, why = _jumped(watched, y, t, fired, t - begun)
+        happened, y, sides, why = _jumped(flow, y, t, fired, t - begun)
         jumps += happened
         why = why or _accumulation(jumps)
         if why or steps >= budget or is_last:
@@ -152,54 +152,54 @@ def fly_with_events(
 
 
 def clocked(model: Model) -> Model:
-    """The flow with a state whose rate changes where a `when` changes its sign, and what is watched."""
+    """The flow with a state whose rate changes where a `when` changes its sign, and what tells of events."""
     rates = dict(zip(model.state_names, model.equations, strict=True))
-    watched = {}
+    observables = {}
     for k, event in enumerate(model.events):
-        watched[f"when {k}"] = event.when
+        observables[f"when {k}"] = event.when
     along = []
     for event in model.events:
         terms = [mul(derivative(event.when, name), rate) for name, rate in rates.items()]
         along.append(add(derivative(event.when, TIME), *terms))
-    watched |= {f"rate {k}": rate for k, rate in enumerate(along)}
+    observables |= {f"rate {k}": rate for k, rate in enumerate(along)}
     zero = number(0)
     clock = add(*(if_(compare(">", e.when, zero), number(k + 1), zero) for k, e in enumerate(model.events)))
     return model.replace(
         states=(*model.states, State(CLOCK, zero), *(State(f"{HEIGHT} {k}", zero) for k in range(len(along)))),
-        equations=(*model.equations, clock, *along), observables=watched, events=(),
+        equations=(*model.equations, clock, *along), observables=observables, events=(),
         symmetries=(), starts=(), averaging=None, rotation={}, expect=(), labels={}, limits=(), totals=(),
     )  # fmt: skip
 
 
-def _first_sides(watched: _Watched, y: Array) -> _Sides:
-    when, rate = watched.seen(y[None, :], np.zeros(1))
+def _first_sides(flow: _WithClock, y: Array) -> _Sides:
+    when, rate = flow.seen(y[None, :], np.zeros(1))
     signs = np.where(when[0] != 0.0, np.sign(when[0]), np.sign(rate[0]))
     return _Sides(signs, np.full(signs.size, -1.0))
 
 
 def _next_event(
-    watched: _Watched, flight: Flight, y: Array, t: float, sides: _Sides
+    flow: _WithClock, flight: Flight, y: Array, t: float, sides: _Sides
 ) -> tuple[float, tuple[int, ...], _Sides, str]:
     """(time, events that fire first in this flight, sides at its end or at the event, why it cannot go on)."""
     end, fresh = flight.end_time, bool((sides.allowed >= 0.0).any())
     if end <= t:
         return end, (), sides, ""
     if not flight.crossed and not fresh:  # it may begin where the last one ended on a surface, so the sides decide
-        when, _ = watched.seen(flight.end[None, :], np.array([end]))
+        when, _ = flow.seen(flight.end[None, :], np.array([end]))
         if (sides.signs != 0.0).all() and np.array_equal(np.sign(when[0]), sides.signs):
             return end, (), sides, ""
     inner = np.unique(flight.crossings[:, 0])
     places = np.concatenate([[t], inner[(inner > t) & (inner < end)], [end]])
     middles = 0.5 * (places[1:] + places[:-1])
-    flown = watched.fly(y, t, end, middles, 1_000_000_000)
-    when, _ = watched.seen(flown.samples, flown.t)
+    flown = flow.fly(y, t, end, middles, 1_000_000_000)
+    when, _ = flow.seen(flown.samples, flown.t)
     signs = np.sign(when)
     if not len(signs):
         return end, (), sides, ""
     last = np.where(sides.signs == 0.0, signs[0], sides.signs)
     for k in np.flatnonzero((sides.allowed >= 0.0) & (signs[0] != last)):
         if places[1] - t > sides.allowed[k]:
-            return t, (), sides, f"after its jump {_named(watched, int(k))} comes again at once, without end"
+            return t, (), sides, f"after its jump {_named(flow, int(k))} comes again at once, without end"
         signs[0, k] = last[k]
     beside = (flown.t - t)[:, None] <= sides.allowed  # another event may cut so short a time into pieces
     signs = np.where(beside, last, signs)
@@ -209,7 +209,7 @@ def _next_event(
         now = np.where(found == 0.0, last, found)  # an interval as short as rounding, or a solution along the surface
         if fired and place - when_first > AT_ONCE * max(abs(place), end - t):
             break
-        new = [k for k, e in enumerate(watched.events) if now[k] != last[k] and now[k] in SENSES[e.direction]]
+        new = [k for k, e in enumerate(flow.events) if now[k] != last[k] and now[k] in SENSES[e.direction]]
         if new and not fired:
             when_first = float(place)
         fired += [k for k in new if k not in fired]
@@ -217,10 +217,10 @@ def _next_event(
     return when_first, tuple(sorted(fired)), _Sides(last, np.full(last.size, -1.0)), ""
 
 
-def _cut(watched: _Watched, flight: Flight, y: Array, t: float, when: float, wanted: Array) -> Flight:
+def _cut(flow: _WithClock, flight: Flight, y: Array, t: float, when: float, wanted: Array) -> Flight:
     """The flight up to the event."""
     if when > t:
-        return watched.fly(y, t, when, wanted[wanted <= when], 1_000_000_000)
+        return flow.fly(y, t, when, wanted[wanted <= when], 1_000_000_000)
     return replace(
         flight, t=flight.t[:0], samples=flight.samples[:0], end_time=t, end=y.copy(), crossed=0, steps=0, outcome=DONE,
         why="",
@@ -235,25 +235,25 @@ def _up_to_the_end(flight: Flight, wanted: Array) -> Flight:
 
 
 def _jumped(
-    watched: _Watched, y: Array, t: float, fired: tuple[int, ...], interval: float
+    flow: _WithClock, y: Array, t: float, fired: tuple[int, ...], interval: float
 ) -> tuple[list[Jump], Array, _Sides, str]:
     """The jumps at t, the state after them, the sides there, and why it cannot go on."""
-    n, at = len(watched.model.states), np.array([t])
-    landed, slope = (a[0] for a in watched.seen(y[None, :], at))
+    n, at = len(flow.model.states), np.array([t])
+    landed, slope = (a[0] for a in flow.seen(y[None, :], at))
     jumps: list[Jump] = []
     before, ever, last = landed, set(fired), slope
     while fired:
-        after = _after(watched, y, t, fired)
+        after = _after(flow, y, t, fired)
         if isinstance(after, str):
             return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), after
         jumps.append(Jump(t, fired, y[:n].copy(), after[:n].copy()))
         y = after
         if not np.isfinite(y).all():
             return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), "a jump leads to no finite state"
-        when, last = (a[0] for a in watched.seen(y[None, :], at))
+        when, last = (a[0] for a in flow.seen(y[None, :], at))
         small = _rounding(landed, slope, interval, t)
         carried = [
-            k for k, e in enumerate(watched.events)
+            k for k, e in enumerate(flow.events)
             if k not in fired and abs(when[k]) > small[k] and abs(before[k]) > small[k]
             and np.sign(when[k]) != np.sign(before[k]) and np.sign(when[k]) in SENSES[e.direction]
         ]  # fmt: skip
@@ -265,7 +265,7 @@ def _jumped(
     on = np.array([k in ever and abs(before[k]) <= small[k] for k in range(before.size)])
     if bool((on & (np.abs(last) <= AT_ONCE * np.abs(slope))).any()):
         k = int(np.flatnonzero(on & (np.abs(last) <= AT_ONCE * np.abs(slope)))[0])
-        why = f"the jump leaves the solution on its own surface: {_named(watched, k)} stays zero, or touches it"
+        why = f"the jump leaves the solution on its own surface: {_named(flow, k)} stays zero, or touches it"
         return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), why
     with np.errstate(divide="ignore", invalid="ignore"):
         leave = 8.0 * small / np.abs(last) + 8.0 * np.spacing(t)
@@ -279,19 +279,19 @@ def _rounding(landed: Array, slope: Array, interval: float, t: float) -> Array:
                       + AT_ONCE * np.abs(slope) * interval)  # fmt: skip
 
 
-def _after(watched: _Watched, y: Array, t: float, fired: tuple[int, ...]) -> Array | str:
+def _after(flow: _WithClock, y: Array, t: float, fired: tuple[int, ...]) -> Array | str:
     """The state after these events at once, from the values before; in words where they disagree."""
-    values: Mapping[str, float] = watched.values(y, t)
+    values: Mapping[str, float] = flow.values(y, t)
     set_by: dict[str, float] = {}
     for k in fired:
-        for name, formula in watched.events[k].jumps.items():
+        for name, formula in flow.events[k].jumps.items():
             value = float(evaluate(formula, values))
             if name in set_by and set_by[name] != value:
                 return f"two events at the same time set {name} to {set_by[name]:.6g} and to {value:.6g}"
             set_by[name] = value
     after = y.copy()
     for name, value in set_by.items():
-        after[watched.model.state_names.index(name)] = value
+        after[flow.model.state_names.index(name)] = value
     return after
 
 
@@ -316,5 +316,5 @@ def _accumulation(jumps: list[Jump]) -> str:
     )
 
 
-def _named(watched: _Watched, k: int) -> str:
-    return f"event {k + 1} ({to_text(watched.events[k].when)[:60]})"
+def _named(flow: _WithClock, k: int) -> str:
+    return f"event {k + 1} ({to_text(flow.events[k].when)[:60]})"

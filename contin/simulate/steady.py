@@ -90,7 +90,7 @@ class Settled:
 def settle(system: CompiledSystem, u: Array, p: Array, criterion: Criterion, metric: Metric | None = None) -> Settled:
     """Integrate (iterate) until the system's observables have settled.
 
-    `system` : compiled, with the quantities to watch as its observables (`contin.simulate.watch`).
+    `system` : compiled, with the quantities to measure as its observables (`contin.simulate.measures`).
     metric : natural sizes; by default those at u.
     """
     u = np.array(u, dtype=float)

@@ -15,10 +15,10 @@ from contin.model.advice import place_of_parameter
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
+from contin.simulate.measures import with_measures
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.systems import autonomous
-from contin.simulate.watch import watching
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def sweep(
         raise InputError(f"steps must be a whole number from 1 to {LARGEST}; got {steps!r}")
 
     need_time(model, "steady states in time to sweep")
-    system = autonomous(watching(model, measures))
+    system = autonomous(with_measures(model, measures))
     u0, p = model.start_point(start, {**(parameters or {}), parameter: low})
     u0 = consistent_start(system, u0, p)
     metric = natural_metric(system, u0, p)

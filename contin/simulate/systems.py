@@ -18,7 +18,7 @@ def in_time(model: Any, steps_of_our_own: bool = True) -> Any:
 
 
 def autonomous(model: Any) -> Any:
-    """Of a flow whose steady states are watched."""
+    """Of a flow whose steady states are looked for."""
     return compile_system(model) if isinstance(model, Model) else in_time(model)
 
 

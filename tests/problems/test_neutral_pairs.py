@@ -88,8 +88,8 @@ def test_branch_point_of_a_double_eigenvalue_has_no_coefficients_of_rounding():
     assert any("normal form" in note for note in branch.notes)
 
 
-@pytest.mark.parametrize("is_map", [False, True])
-def test_pairs_are_suspected_alike_among_few_and_among_many(is_map):
+@pytest.mark.parametrize("by_multipliers", [False, True])
+def test_pairs_are_suspected_alike_among_few_and_among_many(by_multipliers):
     """Others that are no pairs do not change the answer."""
     chance = np.random.default_rng(3)
     seen = set()
@@ -97,10 +97,10 @@ def test_pairs_are_suspected_alike_among_few_and_among_many(is_map):
         values = chance.uniform(0.5, 2.0, 4) + 1j * chance.standard_normal(4)
         if trial % 2:
             gap = 10.0 ** chance.uniform(-9, -4)
-            values[1] = (1.0 / values[0] if is_map else -values[0]) * (1.0 + gap)
+            values[1] = (1.0 / values[0] if by_multipliers else -values[0]) * (1.0 + gap)
         among_many = np.concatenate([values, 100.0 * 3.0 ** np.arange(6)])
-        seen.add(neutral_pairs.is_suspect(values, is_map))
-        assert neutral_pairs.is_suspect(values, is_map) == neutral_pairs.is_suspect(among_many, is_map)
+        seen.add(neutral_pairs.is_suspect(values, by_multipliers))
+        assert neutral_pairs.is_suspect(values, by_multipliers) == neutral_pairs.is_suspect(among_many, by_multipliers)
     assert seen == {False, True}
 
 

@@ -85,9 +85,9 @@ def real_test(values: Vector, target: float, size: float = 0.0) -> float:
     return float((-1.0) ** int(np.sum(real < target))) * (smallest if smallest > NOISE else 0.0)
 
 
-def pair_test(values: Vector, is_map: bool) -> float:
+def pair_test(values: Vector, by_multipliers: bool) -> float:
     """The test of pairs of `kernels.tests_of_stability`, zero where it is only rounding."""
-    _, tests = count_and_tests(values, is_map)
+    _, tests = count_and_tests(values, by_multipliers)
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
 
 

@@ -41,6 +41,10 @@ class ConditionedEquilibria(Conditioned):
     TESTS = ("zero", "pair", "flip")
     maximum_chunk = 50
 
+    @property
+    def is_map(self) -> bool:
+        return self.inner.is_map
+
     @cached_property
     def _formulas(self) -> Quantities:
         model = self.inner.system.model

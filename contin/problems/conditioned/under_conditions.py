@@ -139,10 +139,6 @@ class Conditioned(Problem):
         return self.inner.system
 
     @property
-    def is_map(self) -> bool:
-        return bool(self.inner.is_map)
-
-    @property
     def parameters(self) -> tuple[str, ...]:
         return tuple(self.inner.parameters)
 

@@ -19,12 +19,12 @@ MEETING: Final = 1e-2  # two pairs this close beside their size may meet
 MATES: Final = 0.1  # ... each mirrored at the boundary is one of them to this part of their distance
 
 
-def colliding(values: Vector, pair: complex, is_map: bool) -> Rejected | None:
+def colliding(values: Vector, pair: complex, by_multipliers: bool) -> Rejected | None:
     """What to say instead of a Hopf or Neimark-Sacker point where the pair next to `pair` is about to meet it.
 
     Beside such a place the two are mates, or both on the boundary, and nearly equal.
     """
-    mates = 1.0 / np.conj(values) if is_map else -np.conj(values)
+    mates = 1.0 / np.conj(values) if by_multipliers else -np.conj(values)
     upper = np.flatnonzero(values.imag > 0.0)
     if len(upper) < 2:
         return None
@@ -35,7 +35,7 @@ def colliding(values: Vector, pair: complex, is_map: bool) -> Rejected | None:
     if not (apart < MEETING * abs(pair) and off < MATES * apart):
         return None
     what, where, at = (
-        ("multipliers", "unit circle", f"exp(+-{float(elementary.angle(pair)):.6g} i)") if is_map
+        ("multipliers", "unit circle", f"exp(+-{float(elementary.angle(pair)):.6g} i)") if by_multipliers
         else ("eigenvalues", "imaginary axis", f"+-{abs(pair.imag):.6g} i")
     )  # fmt: skip
     return Rejected(

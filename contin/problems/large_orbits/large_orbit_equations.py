@@ -56,7 +56,6 @@ class LargeOrbitEquations(InOneParameterProblem):
     memory: Memory = field(default_factory=Memory)
     kind = "orbit"
     locus = None
-    is_map = True
     adaptive = True  # tests of a discretised problem: what is found beside a point is told apart down to 1e-4
     maximum_chunk = 2
     decisions = DECISIONS  # the factors of all intervals cost some fifteen times round the orbit, a correction four

@@ -27,10 +27,10 @@ class Eigenspace:
         return int(self.basis.shape[1])
 
 
-def eigenspace(matrix: Array, side: Side, dimension: int | None, is_map: bool) -> Eigenspace:
+def eigenspace(matrix: Array, side: Side, dimension: int | None, by_multipliers: bool) -> Eigenspace:
     """Of the stable or unstable eigenvalues, or of the `dimension` strongest of them (a strong manifold)."""
     values, vectors = np.linalg.eig(matrix)
-    rates = elementary.log(np.maximum(np.abs(values), np.finfo(float).tiny)) if is_map else values.real
+    rates = elementary.log(np.maximum(np.abs(values), np.finfo(float).tiny)) if by_multipliers else values.real
     rates = rates if side == "unstable" else -rates
     level = NEUTRAL * float(np.max(np.abs(rates), initial=0.0))
     order = [int(k) for k in np.argsort(-rates) if rates[k] > level]
@@ -42,7 +42,7 @@ def eigenspace(matrix: Array, side: Side, dimension: int | None, is_map: bool) -
     chosen = order[:wanted]
     if wanted < len(order) and np.isclose(values[chosen[-1]], np.conj(values[order[wanted]])):
         raise InputError(f"manifold: a pair of complex eigenvalues cannot be parted: `dimension: {wanted + 1}`")
-    if is_map and side == "stable" and not np.all(np.abs(values[chosen]) > 0.0):
+    if by_multipliers and side == "stable" and not np.all(np.abs(values[chosen]) > 0.0):
         raise InputError("manifold: a zero multiplier has no inverse, along which a stable manifold is grown")
     columns = [vectors[:, k].imag if values[k].imag < 0.0 else vectors[:, k].real for k in chosen]
     basis = np.column_stack(columns)

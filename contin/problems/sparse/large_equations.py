@@ -42,7 +42,6 @@ class LargeEquations(InOneParameterProblem):
     work: Workspace = field(default_factory=Workspace)
     locus = None
     kind = "equilibrium"
-    is_map = False
 
     @cached_property
     def angle_periods(self) -> Array:

@@ -17,8 +17,8 @@ from contin.model.advice import closest
 from contin.model.expression import symbol
 from contin.records import Fields, Record
 from contin.simulate.condition import condition
+from contin.simulate.measures import with_measures
 from contin.simulate.steady import STATISTICS, Criterion
-from contin.simulate.watch import watching
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -33,7 +33,7 @@ class ScanSpec:
     """What to run. Run number k stands for a point of the grid (axes in order, the last one fastest) and a start.
 
     axes : (name, values) of parameters or states.  starts : named starts, mappings of states, or None.
-    measures : {name: formula} of the quantities watched.  classes : {name: condition} in the names QUANTITY_min,
+    measures : {name: formula} of the quantities measured.  classes : {name: condition} in the names QUANTITY_min,
     QUANTITY_mean, QUANTITY_max and the parameters; the first that holds names a run, `other` where none does.
     settle : fields of `contin.simulate.steady.Criterion`; without a window, 30 turns of the fastest rate at the start.
     names : of the starts.
@@ -76,13 +76,13 @@ class ScanSpec:
         Criterion(**{"window": 1.0, **self.settle})
 
     @cached_property
-    def watched(self) -> Model:
+    def measured(self) -> Model:
         """The model with the measures as observables."""
-        return watching(self.model, self.measures)
+        return with_measures(self.model, self.measures)
 
     @cached_property
     def quantities(self) -> tuple[str, ...]:
-        return tuple(self.watched.observables)
+        return tuple(self.measured.observables)
 
     @cached_property
     def conditions(self) -> Fields:

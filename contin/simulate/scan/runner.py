@@ -22,7 +22,7 @@ class Runner:
 
     def __init__(self, spec: ScanSpec) -> None:
         self.spec = spec
-        self.system = autonomous(spec.watched)
+        self.system = autonomous(spec.measured)
         if spec.model.kind == "flow":
             _ = self.system.pieces, self.system.observables  # compiled before threads ask for it
         self.criterion = self._criterion()

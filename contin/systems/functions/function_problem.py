@@ -69,15 +69,15 @@ class FunctionProblem(GivenFunction):
             )
         return FunctionInKernels(self.divided())
 
-    def watched(self) -> FunctionProblem:
-        """The function with what is watched until it settles as its record: states (of angles cosine and sine)."""
-        watched = copy(self)
+    def measured(self) -> FunctionProblem:
+        """The function with what is measured until it settles as its record: states (of angles cosine and sine)."""
+        measured = copy(self)
         for kept in ("in_kernels", "observables"):
-            watched.__dict__.pop(kept, None)
-        watched.record, watched.state_names = self._watch, ()
-        return watched
+            measured.__dict__.pop(kept, None)
+        measured.record, measured.state_names = self._measure, ()
+        return measured
 
-    def _watch(self, u: Array, values: Any) -> dict[str, float]:
+    def _measure(self, u: Array, values: Any) -> dict[str, float]:
         found: dict[str, float] = {}
         if not self.state_names:
             found |= {"norm": float(np.sqrt(np.mean(u * u))), "min": float(u.min()), "max": float(u.max())}

@@ -1,4 +1,4 @@
-"""The quantities that are watched until they settle: those asked for, or what a model's declarations suggest."""
+"""The quantities that are measured until they settle: those asked for, or what a model's declarations suggest."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from contin.simulate.systems import need_formulas
 ASLEEP: Final = 1e-6  # of the natural sizes: a product of two amplitudes for which their phase difference is nothing
 
 
-def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Model:
-    """The model with the quantities to watch as its observables.
+def with_measures(model: Any, measures: Mapping[str, str | Any] | None) -> Model:
+    """The model with the quantities to measure as its observables.
 
     By default: for oscillators declared under `averaging` their amplitudes r1, r2, .. and the cosines c12, c13, .. of
     their phase differences from the first; otherwise states (of an angle its cosine and sine) and observables.
@@ -26,9 +26,9 @@ def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Model:
     """
     if not isinstance(model, Model):
         if measures:
-            need_formulas(model, "measures", "let its `record` return what is to be watched")
-        watched: Model = model.watched()
-        return watched
+            need_formulas(model, "measures", "let its `record` return what is to be measured")
+        measured: Model = model.measured()
+        return measured
     if measures:
         for name in measures:
             if not name.isidentifier():
