@@ -18,14 +18,17 @@ T = TypeVar("T")
 class Rules:
     """When corrections end; their sizes are in the metric of whoever makes them.
 
-    settled : a correction below this is the last one.  stalled : corrections below this that no longer fall by half are
-    rounding, and are not made.  far : one beyond this leads elsewhere.  budget : of corrections.
+    settled : a correction below this is the last one.  stalled : corrections below this that no longer fall to `ratio`
+    of the one before are rounding, and are not made.  far : one beyond this leads elsewhere, and so does one `growth`
+    times as long as the one before.  budget : of corrections.
     """
 
     settled: float = 1e-15
     stalled: float = 1e-8
     far: float = np.inf
     budget: int = 12
+    ratio: float = 0.5
+    growth: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +56,9 @@ def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rule
         if found is None:
             return None
         size, there = found
-        if not size < rules.far:  # NaN is no size
+        if not (size < rules.far and size < rules.growth * before):  # NaN is no size
             return None
-        if size >= 0.5 * before and before < rules.stalled:
+        if size >= rules.ratio * before and before < rules.stalled:
             return Converged(at, before, size)
         at, before = there, size
         if size < rules.settled:

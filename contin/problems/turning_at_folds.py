@@ -14,14 +14,14 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.march import Linearisation
+from contin.linalg.newton import Rules, by_steps
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 NEAR, FAR = 0.006, 0.03  # distances in the metric, beyond the reach of differences across a corner
 NOISE: Final = 1e-9  # moves of the parameter that say nothing
-SETTLED: Final = 1e-2 * NOISE  # a last correction
 SQUARE: Final = 1.5  # power of s below which the parameter does not turn smoothly
-BUDGET: Final = 25
+CHORDS: Final = Rules(settled=1e-2 * NOISE, stalled=NOISE, ratio=0.9, growth=10.0, budget=25)  # they fall slowly
 
 
 def no_fold(residual: Callable[[Array], Array], here: Linearisation | None, z: Array, scale: Array) -> str | None:
@@ -61,19 +61,13 @@ def _moved(
     bend: Array,
 ) -> Array | None:  # fmt: skip
     """The way (scaled) from z to where the curve has gone s along t, from a guess s t + s^2 bend; by chords."""
-    y = s * t + s * s * bend
-    before = np.inf
-    for _ in range(BUDGET):
+
+    def step(y: Array) -> Array | None:
         f = residual(z + scale * y)
         if not np.all(np.isfinite(f)):
             return None
-        step = here.solve(np.append(-f / scale[:-1], 0.0))
-        step = step + (s - float(t @ (y + step))) * t
-        size = norm(step)
-        if not np.isfinite(size) or size > 10.0 * abs(s) + before:
-            return None
-        y = y + step
-        if size < SETTLED or (size >= 0.9 * before and size < 1e-9):
-            return y
-        before = size
-    return y if before < 1e-9 else None
+        d = here.solve(np.append(-f / scale[:-1], 0.0))
+        return np.asarray(d + (s - float(t @ (y + d))) * t)
+
+    found = by_steps(step, s * t + s * s * bend, 1.0, CHORDS)
+    return None if found is None else found.at

@@ -16,6 +16,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError
+from contin.linalg.newton import Rules, newton, solution
 from contin.tori import fourier
 from contin.tori.strobe import Strobe
 
@@ -80,23 +81,24 @@ def solve(strobe: Strobe, metric: Metric, guess: Circle, tangent: Array, toleran
     """
     row = np.append(np.zeros(guess.values.size), 1.0) if fixed else tangent
     circle = guess if strobe.free_time else replace(guess, time=strobe.time(guess.value))
-    last = np.inf
-    for _ in range(STEPS):
-        matrix, residual, jacobians = _linear(strobe, metric, circle, guess, row)
-        try:
-            step = np.asarray(np.linalg.solve(matrix, -residual), dtype=float)
-            follow = np.linalg.solve(matrix, np.append(np.zeros(len(residual) - 1), 1.0))
-        except np.linalg.LinAlgError:
-            raise NoSolutionError("the equations are singular") from None
-        moved = _moved(circle, step, metric, strobe)
-        length = float(np.linalg.norm(metric.vector(moved) - metric.vector(circle)))
-        if not length < DIVERGED * last:
-            raise NoSolutionError(f"Newton's method diverges (correction {length:.2g})")
-        circle, before, last = moved, last, length
-        if length < tolerance or (length < NOISE * tolerance and length > 0.5 * before):  # the latter: near a resonance
-            along = np.append(follow[: circle.values.size], follow[-1])
-            return Solved(circle, jacobians, along / (np.linalg.norm(along) or 1.0))
-    raise NoSolutionError(f"Newton's method did not converge (last correction {last:.2g})")
+
+    def correct(at: Solved) -> tuple[float, Solved]:
+        matrix, residual, jacobians = _linear(strobe, metric, at.circle, guess, row)
+        right = np.stack([-residual, np.append(np.zeros(len(residual) - 1), 1.0)], axis=1)
+        both = solution(matrix, right)
+        if both is None:
+            raise NoSolutionError("the equations are singular")
+        step, follow = both.T
+        moved = _moved(at.circle, step, metric, strobe)
+        along = np.append(follow[: moved.values.size], follow[-1])
+        length = float(np.linalg.norm(metric.vector(moved) - metric.vector(at.circle)))
+        return length, Solved(moved, jacobians, along / (np.linalg.norm(along) or 1.0))
+
+    rules = Rules(tolerance, NOISE * tolerance, budget=STEPS, growth=DIVERGED)  # it stalls near resonances
+    found = newton(correct, Solved(circle, np.empty(0), tangent), rules)
+    if found is None or found.exhausted:
+        raise NoSolutionError("Newton's method does not converge to an invariant circle")
+    return found.at
 
 
 def _linear(strobe: Strobe, metric: Metric, circle: Circle, before: Circle, row: Array) -> tuple[Array, Array, Array]:

@@ -21,6 +21,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear
+from contin.linalg.newton import Rules, newton
 from contin.linalg.pencil import inverse_of
 from contin.linalg.vectors import norm
 from contin.machine import elementary
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from contin.problems.sparse.large_equations import LargeEquations
 
 SECANT_BUDGET = 10
+EIGENPAIR = Rules(settled=1e-14, stalled=1e-6)
 RESOLVED = 1e-9  # distance (scaled) from which two values of a measure tell its slope
 TRIAL = 1e-4  # first step of the secant method (scaled arclength)
 PERTURBATION = 1e-9
@@ -244,20 +246,18 @@ def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
     """Newton on A q = l M q, c^H q = 1 (c = the start, normalised): one factorisation of A - l M an iteration."""
     q = q / norm(q)
     c = q.conj()
-    last = np.inf
-    for _ in range(6):
+
+    def correct(at: tuple[complex, Vector]) -> tuple[float, tuple[complex, Vector]]:
+        value, q = at
         moved = linear.weigh(q)
         solver = linear.shifted(value).bordered(-moved[:, None], c[:, None], np.zeros((1, 1)))
         right = np.append(-(linear.apply(q) - value * moved), 1.0 - c @ q)
         step = solver.solve(right.astype(complex))
-        size = abs(complex(step[-1])) / max(abs(value), 1e-300)
-        if not np.isfinite(size) or (size >= 0.5 * last and size < 1e-6):
-            break
-        value, q = value + complex(step[-1]), q + step[:-1]
-        last = size
-        if size < 1e-14:
-            break
-    return value, q
+        change = complex(step[-1])
+        return abs(change) / max(abs(value), 1e-300), (value + change, q + step[:-1])
+
+    found = newton(correct, (value, q), EIGENPAIR)
+    return (value, q) if found is None else found.at
 
 
 def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
