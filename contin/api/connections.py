@@ -79,7 +79,7 @@ def connection(
     if isinstance(first, SpecialPoint) or isinstance(last, SpecialPoint):
         if reversor is not None or isinstance(origin, SpecialPoint):
             raise InputError(f"a connecting orbit to a cycle: leave out `{'from' if reversor is None else 'reversor'}`")
-        found = _with_cycles(origin, first, last, parameters)
+        found = _with_cycles(first, last, parameters)
         return replace(found, path=path, truncation=truncation or found.truncation)
     if isinstance(origin, SpecialPoint) and reversor is not None:
         raise InputError("a symmetric connecting orbit starts from a model and `samples`, not from a periodic orbit")
@@ -127,7 +127,7 @@ def _of_pulses(point: Model | SpecialPoint, count: int) -> Pulses:
 
 
 def _with_cycles(
-    model: Model, first: str | Record | SpecialPoint | None, last: str | Record | SpecialPoint | None, parameters: Any
+    first: str | Record | SpecialPoint | None, last: str | Record | SpecialPoint | None, parameters: Any
 ) -> CycleConnection:
     """Ends that are cycles are at their own parameters, which must be the same."""
     points = [end for end in (first, last) if isinstance(end, SpecialPoint)]

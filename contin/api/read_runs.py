@@ -108,7 +108,7 @@ def sweep_of(stored: Record, parameter: str, model: str) -> Sweep:
     )  # fmt: skip
 
 
-def lyapunov_of(stored: Record, notes: Sequence[str] = ()) -> LyapunovSpectrum:
+def lyapunov_of(stored: Record) -> LyapunovSpectrum:
     """The exponents of a table; their `model` is a name."""
     columns, parameter = stored["columns"], stored["lyapunov"]
     if parameter and parameter not in columns:
@@ -124,7 +124,7 @@ def lyapunov_of(stored: Record, notes: Sequence[str] = ()) -> LyapunovSpectrum:
     values = _column(columns[parameter]) if parameter else np.array([])
     return LyapunovSpectrum(
         stored["model"], parameter, values, rows, errors, _column(columns["time"]), tuple(columns["outcome"]),
-        stored["complete"], (*stored["notes"], *notes),
+        stored["complete"], tuple(stored["notes"]),
     )  # fmt: skip
 
 

@@ -44,7 +44,6 @@ class BoundaryEquations(Problem):
     locus = None
     closed = False
     maximum_chunk = LONGEST_CHUNK
-    is_map = False
 
     @property
     def system(self) -> Any:
@@ -135,5 +134,4 @@ class BoundaryEquations(Problem):
         return dict(zip(self.two.parameters, self.base.tolist(), strict=True))
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
-        found = self.two.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
+        return self.two.model.parameter_range(parameter, self.constants())

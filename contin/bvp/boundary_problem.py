@@ -21,6 +21,7 @@ from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.sizes import couplings, filled, moved, noticed, without_remnants
 from contin.continuation.branch import End
+from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Outcome, Verified
 from contin.continuation.problem import Problem, Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
@@ -177,12 +178,12 @@ class BoundaryProblem(BoundaryEquations):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         one, other = self.profile(a.z), self.profile(b.z)
-        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+        allowed = slack(a, b, scale)
         times = np.linspace(0.0, 1.0, 21)
         apart = np.abs(one.at(times) - other.at(times)).max(axis=0)
         sizes = np.maximum(np.abs(one.u).max(axis=0), np.abs(other.u).max(axis=0))
-        near = bool(np.all(apart <= max(SAME, float(np.sqrt(slack / scale[-1]))) * np.maximum(sizes, 1e-300)))
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and near
+        near = bool(np.all(apart <= max(SAME, float(np.sqrt(allowed / scale[-1]))) * np.maximum(sizes, 1e-300)))
+        return abs(float(a.z[-1] - b.z[-1])) <= allowed and near
 
     def trouble(self, z: Array) -> str:
         """Where the equations have no value on the solution, and why; empty where they have one everywhere."""

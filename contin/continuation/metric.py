@@ -49,5 +49,5 @@ def outgrown(problem: Problem, z: Array, scale: Array) -> Array:
 
 def measured_in(sample: Sample, old: Array, new: Array) -> Sample:
     """A sample with its unit tangent in another metric."""
-    tangent = sample.tangent * (old / new)
+    tangent = np.where(sample.tangent == 0.0, 0.0, sample.tangent * (old / new))  # scales of what is no unknown: inf
     return replace(sample, tangent=tangent / np.linalg.norm(tangent))

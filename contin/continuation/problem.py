@@ -315,6 +315,10 @@ class Problem(ABC):
     def constants(self) -> dict[str, float]:
         """Every model parameter's value (a varying one's is that of the start)."""
 
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        """How far a parameter varies where nobody says so, at the present values; None: it must be said."""
+        return None
+
     @abstractmethod
     def describe_failure(self, z: Array) -> str:
         """Why Newton may fail at z, in words, with what to try."""

@@ -79,7 +79,7 @@ def image(branch: Branch, symmetry: str) -> Branch:
     columns |= {key: branch.columns[key] for key in ("unstable", "stable")}
     tangents = _mapped_tangents(problem, symmetry, branch.z, branch.tangents)
     name = f"{branch.name}~{symmetry}"
-    points = tuple(_mapped_point(problem, symmetry, p, name, z, tangents, columns) for p in branch.points)
+    points = tuple(_mapped_point(p, name, z, tangents, columns) for p in branch.points)
     ends = tuple(_mapped_end(end) for end in branch.ends)
     return replace(
         branch, name=name, columns=columns, points=points, ends=(ends[0], ends[1]), z=z, tangents=tangents, steps=0,
@@ -99,10 +99,7 @@ def _mapped_tangents(problem: EquilibriumProblem, symmetry: str, z: Array, tange
     return np.asarray((forward - backward) / (2.0 * h))
 
 
-def _mapped_point(
-    problem: EquilibriumProblem, symmetry: str, point: SpecialPoint, branch: str, z: Array, tangents: Array,
-    columns: Fields
-) -> SpecialPoint:  # fmt: skip
+def _mapped_point(point: SpecialPoint, branch: str, z: Array, tangents: Array, columns: Fields) -> SpecialPoint:
     row = point.index
     values = dict(point.values) | {key: column[row].item() for key, column in columns.items()}
     return replace(point, z=z[row], tangent=tangents[row], values=values, branch=branch)

@@ -124,8 +124,7 @@ class ConnectionToCycle(Isolated, EndsOfConnection):
         return {name: known[name] for name in self.model.parameter_names if name in known}
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
-        found = self.model.parameter_range(parameter, {**self.model.default_parameters({}), **self.constants()})
-        return None if found is None else (float(found[0]), float(found[1]))
+        return self.model.parameter_range(parameter, {**self.model.default_parameters({}), **self.constants()})
 
     def orbit_at(self, z: Array) -> Profile:
         """The connecting orbit alone, with its time."""

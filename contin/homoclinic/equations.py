@@ -28,7 +28,6 @@ from contin.homoclinic.subspaces import left_subspace
 from contin.kernels.collocation_basis import basis
 from contin.linalg.csc import with_columns, with_rows
 from contin.machine import elementary
-from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.ends.saddle_node import borders
 from contin.problems.orbits.linearised.pattern import block_places
 from contin.problems.orbits.mesh.layout import Profile
@@ -166,9 +165,3 @@ class ConnectionCurve(ConnectionLayout):
         row[nodes[:, :-1]] = local[:, :-1]
         row[nodes[:, -1]] += local[:, -1]
         return row.ravel()
-
-    def at(self, z: Array) -> OrbitProblem:
-        """The problem of periodic orbits with q at its value in z."""
-        base = self.orbits.base.copy()
-        base[self.second] = z[-2]
-        return replace(self.orbits, base=base)

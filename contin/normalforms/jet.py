@@ -67,6 +67,36 @@ def mass_of(jet: Jet) -> Real | None:
     return jet.mass if isinstance(jet, Weighed) else None
 
 
+class Disturbed:
+    """A jet whose derivatives are off by errors; a subclass gives `A` and `form`, all else is that of `jet`."""
+
+    jet: Jet
+
+    @property
+    def n(self) -> int:
+        return self.jet.n
+
+    @property
+    def parameters(self) -> int:
+        return self.jet.parameters
+
+    @property
+    def kind(self) -> Kind:
+        return self.jet.kind
+
+    @property
+    def mass(self) -> Real | None:
+        return mass_of(self.jet)
+
+    @property
+    def scale(self) -> Real | None:
+        return self.jet.scale
+
+    @property
+    def second_sizes(self) -> Real:
+        return self.jet.second_sizes
+
+
 @dataclass(frozen=True, eq=False)
 class DerivativeJet:
     """A jet from a function that gives derivatives along real directions.

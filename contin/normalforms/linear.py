@@ -23,6 +23,8 @@ ORTHOGONAL = 1e-12  # cosine of two null vectors that is zero with rounding erro
 FEW = 64  # entries of a matrix that are equilibrated as Python's numbers
 MISLED = 1e-6  # of the largest entry: a matrix that makes as much of a unit vector does not take it to zero, ...
 CLOSER = 1e-3  # ... where there is one of which it makes this part of it
+SWEEPS = 12  # over rows and columns, at most, after which they change no more
+REFINED = 2  # times by the two-sided Rayleigh quotient, whose error is cubed each time
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
 
 
@@ -49,7 +51,7 @@ def root_power(x: Real, order: int) -> Real:
     return np.asarray(np.ldexp(1.0, nearest))
 
 
-def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
+def equilibrate(matrix: Vector) -> tuple[Real, Real]:
     """Powers of two (r, c) that bring the largest entry of each row and column of diag(r) matrix diag(c) near 1.
 
     Ruiz, "A scaling algorithm to equilibrate both rows and columns norms in matrices", RAL-TR-2001-034. Zero rows and
@@ -57,9 +59,9 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
     """
     size = np.abs(matrix)
     if size.size <= FEW and np.isfinite(size).all():
-        return _equilibrated(size.tolist(), sweeps)
+        return _equilibrated(size.tolist())
     r, c = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
-    for _ in range(sweeps):
+    for _ in range(SWEEPS):
         scaled = r[:, None] * size * c
         rows, columns = scaled.max(axis=1), scaled.max(axis=0)
         both = np.concatenate([rows, columns])
@@ -72,10 +74,10 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
     return r, c
 
 
-def _equilibrated(size: list[list[float]], sweeps: int) -> tuple[Real, Real]:
+def _equilibrated(size: list[list[float]]) -> tuple[Real, Real]:
     """`equilibrate` of a few entries, for which Python's numbers take a fifth of the time; the same powers of two."""
     r, c, across = [1.0] * len(size), [1.0] * len(size[0]), list(zip(*size, strict=True))
-    for _ in range(sweeps):
+    for _ in range(SWEEPS):
         rows = [_half_power(max(map(mul, row, c)) * x) for row, x in zip(size, r, strict=True)]
         columns = [_half_power(max(map(mul, column, r)) * x) for column, x in zip(across, c, strict=True)]
         if all(step == 1.0 for step in (*rows, *columns)):
@@ -109,7 +111,7 @@ def balance(matrix: Vector, sweeps: int = 12) -> Real:
     """
     size = np.abs(matrix) * (1.0 - np.eye(len(matrix)))
     d = np.ones(len(matrix))
-    for _ in range(sweeps):
+    for _ in range(SWEEPS):
         scaled = size * d / d[:, None]
         rows, columns = scaled.sum(axis=1), scaled.sum(axis=0)
         linked = (rows > 0) & (columns > 0)
@@ -168,11 +170,11 @@ def null_pair(
     return EigenPair(value, q, p / np.conj(product), float(s[-1]), float(s[-2]) if len(s) > 1 else np.inf)
 
 
-def eigen_pair(A: Real, value: complex, refine: int = 2, mass: Real | None = None) -> EigenPair:
+def eigen_pair(A: Real, value: complex, mass: Real | None = None) -> EigenPair:
     """Eigenvectors of A to the eigenvalue nearest `value`, which is refined by its two-sided Rayleigh quotient."""
     weights = np.eye(len(A)) if mass is None else mass
     pair = null_pair(A - value * weights, value, mass=mass)
-    for _ in range(refine):
+    for _ in range(REFINED):
         value = complex(np.vdot(pair.left, A @ pair.right))
         pair = null_pair(A - value * weights, value, mass=mass)
     return pair

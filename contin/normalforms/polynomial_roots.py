@@ -23,7 +23,7 @@ class Root:
     free: int
 
 
-def sphere_roots(equations: Equations, weights: Real, mirror: Real, *, seed: int = 1) -> list[Root]:
+def sphere_roots(equations: Equations, weights: Real, mirror: Real) -> list[Root]:
     """Real solutions y with sum(weights y^2) = 1, one of each pair {y, mirror y}, by Newton from many starts at once.
 
     The equations must be invariant under `mirror` (entries +-1) and scaled so that all of y is of order one. The
@@ -31,7 +31,7 @@ def sphere_roots(equations: Equations, weights: Real, mirror: Real, *, seed: int
     minimum-norm step, which also converges to continua. With 8 pairs in 4 unknowns, a root whose basin takes one per
     cent of the sphere is missed with a chance of 1e-7.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     m = len(weights)
     y = np.vstack([np.eye(m)[weights > 0], rng.normal(size=(100 * 2 ** min(m, 8), m))])
     y = y / np.sqrt(np.sum(weights * y * y, axis=1, keepdims=True))

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import DerivativeJet, Jet, Kind, Real, contracted, mass_of
+from contin.normalforms.jet import DerivativeJet, Disturbed, Jet, Real, contracted
 from contin.normalforms.result import NO_FORM, NormalForm
 
 PATTERNS: Final = 3
@@ -50,7 +50,7 @@ def off_by_rounding(jet: Jet) -> Iterator[Jet]:
 
 
 @dataclass(frozen=True, eq=False)
-class RoundedJet:
+class RoundedJet(Disturbed):
     """A jet whose entries are off by rounding errors, with a pattern (n, n) of signs.
 
     Where the entries of a form are not at hand, its directions are off instead.
@@ -63,30 +63,6 @@ class RoundedJet:
 
     def _signs(self, shape: tuple[int, ...]) -> Real:
         return np.random.default_rng(self.number).choice([-1.0, 1.0], shape)
-
-    @property
-    def n(self) -> int:
-        return self.jet.n
-
-    @property
-    def parameters(self) -> int:
-        return self.jet.parameters
-
-    @property
-    def kind(self) -> Kind:
-        return self.jet.kind
-
-    @property
-    def mass(self) -> Real | None:
-        return mass_of(self.jet)
-
-    @property
-    def scale(self) -> Real | None:
-        return self.jet.scale
-
-    @property
-    def second_sizes(self) -> Real:
-        return self.jet.second_sizes
 
     @cached_property
     def A(self) -> Real:

@@ -150,7 +150,7 @@ class _Assembly:
     ) -> None:
         none = np.empty(0, np.intp)
         rows, columns, factors, outer, inner = [none], [none], [np.empty(0)], [none], [none]
-        chain = _rows_of_slopes(conditions, unknowns.slopes, n)
+        chain = _rows_of_slopes(conditions, unknowns.slopes)
         first = 0
         for field, local in equations:
             place = unknowns.places[field]
@@ -181,7 +181,7 @@ class _Assembly:
 
 
 def _rows_of_slopes(
-    conditions: Sequence[LocalFormula], data: Sequence[Data], n: int
+    conditions: Sequence[LocalFormula], data: Sequence[Data]
 ) -> tuple[csr_matrix, NDArray[np.intp]] | None:
     """Entries of dg/du by rows: for every slot of every condition a copy of S; and the number of each row's slope."""
     blocks: list[Any] = []

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Problem
+from contin.problems.of_system import ProblemOfSystem
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 
 @dataclass(frozen=True, eq=False)
-class InOneParameterProblem(Problem):
+class InOneParameterProblem(ProblemOfSystem):
     """`base` holds all parameter values (m,); entry `active` varies, and is the last unknown."""
 
     system: System
@@ -50,11 +50,3 @@ class InOneParameterProblem(Problem):
         p[:] = self.base
         p[:, self.active] = z[:, -1]
         return p
-
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        """The model's own range of a parameter, at the present parameter values."""
-        found = self.system.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))

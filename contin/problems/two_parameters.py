@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Problem
 from contin.errors import InputError
 from contin.model.advice import place_of_parameter
+from contin.problems.of_system import ProblemOfSystem
 from contin.problems.scales import parameter_width
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ UNBOUNDED = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
-class TwoParameterProblem(Problem):
+class TwoParameterProblem(ProblemOfSystem):
     """The part of `Problem` and `InTwoParameters` that follows from z = (..., q, p) alone.
 
     A subclass adds the metric, the march and the events of its curve, the equations `curve`: these tell the type of
@@ -54,14 +54,6 @@ class TwoParameterProblem(Problem):
     def parameters(self) -> tuple[str, ...]:
         names = self.system.parameter_names
         return names[self.curve.first], names[self.curve.second]
-
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        """The model's own range of a parameter, at the present parameter values."""
-        found = self.system.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
 
     # -- ranges -------------------------------------------------------------------------------------------------------
 

@@ -51,7 +51,7 @@ def _check(
         where = "it is this run itself" if run == names[position] else "that run comes later; put it before this one"
         problems.add(path, f"{reference!r} cannot be where this run starts: {where}")
         return
-    if entry.phase is not None or (entry.diagram is not None and _of_diagram(branch, entry, model)):
+    if entry.phase is not None or (entry.diagram is not None and _of_diagram(branch, entry)):
         return
     known = [*names[:position], *(_roots(entry) if entry.diagram is not None else [])]
     advice = closest(branch, known) or (f"before it are {', '.join(known)}" if known else "no run comes before it")
@@ -67,7 +67,7 @@ def _run_of(branch: str, names: Sequence[str], model: Model) -> str:
     return name if name in names else plain
 
 
-def _of_diagram(branch: str, entry: RunEntry, model: Model) -> bool:
+def _of_diagram(branch: str, entry: RunEntry) -> bool:
     """True for START, START/LABEL, ...: branches that the explorer may find."""
     roots = _roots(entry)
     root = branch.split("/")[0].split("~")[0]

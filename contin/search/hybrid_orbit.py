@@ -85,7 +85,7 @@ class _Landing:
     after: Array
 
 
-def hybrid_orbit(model: Model, u: Array, p: Array, transient: float = 0.0, longest: float = LONGEST) -> HybridOrbit:
+def hybrid_orbit(model: Model, u: Array, p: Array, transient: float) -> HybridOrbit:
     """The orbit that the trajectory from u settles on, or already lies on.
 
     Raises NoSolutionError where events do not repeat: none comes any more, they accumulate, or no cycle of up to
@@ -108,7 +108,7 @@ def hybrid_orbit(model: Model, u: Array, p: Array, transient: float = 0.0, longe
         if found is not None:
             return _closed(flow, p, *found, np.where(_angles(flow, p) > 0.0, 1.0, sizes), flight.end_time)
         over = _is_over(jumps, flight.end_time) or (not jumps and flight.steps >= BUDGET)
-        if flight.outcome != "done" or over or time > longest * scale or len(landings) > ENOUGH:
+        if flight.outcome != "done" or over or time > LONGEST * scale or len(landings) > ENOUGH:
             if over:
                 raise NoSolutionError(_without_events(jumps[-1].time if jumps else 0.0, flight.end_time))
             raise NoSolutionError(_why_none(landings, flight.outcome, flight.why, flight.end_time))

@@ -112,7 +112,7 @@ def _refined(strobe: Strobe, metric: Metric, solved: Solved, plan: Plan) -> Row:
         if count > most_nodes(strobe):
             break
         finer = solved.circle.resampled(count)
-        along = _resampled(solved.tangent, metric, solved.circle, count)
+        along = _resampled(solved.tangent, solved.circle, count)
         solved = solve(strobe, metric, finer, along, plan.tolerance, fixed=False)
         last, residual = residual, residual_between(strobe, metric, solved.circle)
         if residual > last / GAIN and error_of(solved.circle, residual) < BROKEN:
@@ -126,7 +126,7 @@ def _ahead(circle: Circle, tangent: Array, step: float, metric: Metric) -> Circl
     return replace(circle, values=circle.values + moved, value=circle.value + step * float(tangent[-1]) * metric.width)
 
 
-def _resampled(tangent: Array, metric: Metric, circle: Circle, count: int) -> Array:
+def _resampled(tangent: Array, circle: Circle, count: int) -> Array:
     """The tangent at another number of nodes."""
     parts = replace(circle, values=tangent[:-1].reshape(circle.values.shape) * np.sqrt(circle.values.size))
     finer = parts.resampled(count).values

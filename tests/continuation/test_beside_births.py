@@ -50,16 +50,20 @@ def test_of_equilibria(start, b):
     assert at not in (0, len(branch) - 1)
 
 
+def circles(rate, start, bounds):
+    """The family of turning circles of radius 1, beside which radii 1 + s move with s' = `rate`."""
+    model = contin.Model(
+        "circles", states={"x": 1.0, "y": 0.0}, parameters={"p": start},
+        definitions={"r": "sqrt(x^2 + y^2)", "s": "r - 1", "g": f"({rate})/r"},
+        equations={"x": "g*x - y", "y": "g*y + x"},
+    )  # fmt: skip
+    return api.continuation(api.periodic_orbit(model, {"x": 1.0, "y": 0.0}), "p", bounds)
+
+
 @pytest.mark.parametrize("b", [0.1, 1e-2, 1e-3])
 def test_of_cycles(b):
     """Radii 1 + s of a turning circle, s' = s (p + b s - s^2)."""
-    s = "(sqrt(x^2 + y^2) - 1)"
-    rate = f"({s}*(p + {b}*{s} - {s}^2)/sqrt(x^2 + y^2))"
-    model = contin.Model(
-        "circles", states={"x": 1.0, "y": 0.0}, parameters={"p": -0.5},
-        equations={"x": f"{rate}*x - y", "y": f"{rate}*y + x"},
-    )  # fmt: skip
-    family = api.continuation(api.periodic_orbit(model, {"x": 1.0, "y": 0.0}), "p", (-0.6, 0.6))
+    family = circles(f"s*(p + {b}*s - s^2)", -0.5, (-0.6, 0.6))
     crossing = next(point for point in family.points if point.type == "BPC")
     born = crossing.switch()
     branch = api.continuation(born if not isinstance(born, list) else born[0], "p", (-0.2, 0.2))
@@ -148,13 +152,7 @@ def test_torus_beside_the_birth_of_cycles(e, method):
 @pytest.mark.parametrize("e", [0.05, 1e-2, 1e-3])
 def test_three_crossings_of_cycles_within_a_step_are_labelled_or_a_note_says_so(e):
     """Radii 1 + s, s' = s g - s^3 with g = 10 p (p - e) (p + e)."""
-    s = "(sqrt(x^2 + y^2) - 1)"
-    rate = f"(({s}*10*p*(p - {e})*(p + {e}) - {s}^3)/sqrt(x^2 + y^2))"
-    model = contin.Model(
-        "circles", states={"x": 1.0, "y": 0.0}, parameters={"p": -0.53},
-        equations={"x": f"{rate}*x - y", "y": f"{rate}*y + x"},
-    )  # fmt: skip
-    family = api.continuation(api.periodic_orbit(model, {"x": 1.0, "y": 0.0}), "p", (-0.53, 0.6))
+    family = circles(f"s*10*p*(p - {e})*(p + {e}) - s^3", -0.53, (-0.53, 0.6))
     found = [point for point in family.points if point.type == "BPC"]
     for point in found:
         assert min(abs(point.values["p"] - at) for at in (-e, 0.0, e)) <= 3 * point.error

@@ -33,6 +33,11 @@ def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool
     return near and abs(u - v) <= SAME_FREQUENCY * (abs(u) + abs(v))
 
 
+def slack(a: Verified, b: Verified, scale: Array) -> float:
+    """By how much the parameters of two points may differ that were found on different meshes, and are one."""
+    return 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+
+
 def offset(problem: Problem, a: Array, b: Array, scale: Array) -> Array:
     """a - b in scaled unknowns, of those that tell points apart; 0 for the others."""
     return seen(problem, wrapped(problem, a - b) / scale)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,17 @@ from contin.continuation.sample import Sample
 from contin.loci.augmented.elimination import Bordered, Scalars
 
 
+class OfSolutions(Protocol):
+    """The problem that the equations are taken from."""
+
+    @property
+    def system(self) -> Any: ...
+
+    def constants(self) -> dict[str, float]: ...
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None: ...
+
+
 class Base(ABC):
     """Equations E(z) = 0, z = (unknowns, parameters, the last one first), fewer than unknowns.
 
@@ -23,10 +34,16 @@ class Base(ABC):
 
     has_stability = True
 
+    if TYPE_CHECKING:  # a field of each
+
+        @property
+        def problem(self) -> OfSolutions:
+            """The problem whose equations are taken."""
+
     @property
-    @abstractmethod
     def system(self) -> Any:
         """The compiled model."""
+        return self.problem.system
 
     @property
     @abstractmethod
@@ -40,11 +57,11 @@ class Base(ABC):
     @abstractmethod
     def growing(self) -> NDArray[np.bool_]: ...
 
-    @abstractmethod
-    def constants(self) -> dict[str, float]: ...
+    def constants(self) -> dict[str, float]:
+        return self.problem.constants()
 
-    @abstractmethod
-    def default_range(self, parameter: str) -> tuple[float, float] | None: ...
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.problem.default_range(parameter)
 
     @property
     @abstractmethod

@@ -20,7 +20,7 @@ from contin.bvp.on_mesh import OnMesh
 from contin.continuation.sample import Sample
 from contin.linalg.csc import scaled_columns, with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
-from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed
+from contin.loci.augmented.meshed import Chosen, MeshedBase
 from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 
@@ -55,10 +55,6 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         return np.concatenate([np.arange(nodes), np.arange(z.size - self.behind, z.size)])
 
     # -- the base's contract -------------------------------------------------------------------------------------------
-
-    @property
-    def system(self) -> Any:
-        return self.problem.system
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -188,7 +184,7 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         varying = np.array([self.values(row) for row in z])
         found.update({name: varying[:, k] for k, name in enumerate(self.names)})
         if self.extra:
-            found["unfolding"] = np.array([trimmed(row)[-self.behind] for row in z])
+            found["unfolding"] = z[:, -self.behind].copy()  # rows are padded on the left
         return found
 
     def column_names(self) -> tuple[str, ...]:

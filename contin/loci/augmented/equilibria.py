@@ -44,10 +44,6 @@ class EquilibriumBase(Base):
         return self.problem.has_stability
 
     @property
-    def system(self) -> Any:
-        return self.problem.system
-
-    @property
     def angle_periods(self) -> Array:
         return np.append(self.problem.angle_periods, np.zeros(self.varying - 1))
 
@@ -66,12 +62,6 @@ class EquilibriumBase(Base):
     @property
     def conditions(self) -> int:
         return 0
-
-    def constants(self) -> dict[str, float]:
-        return self.problem.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.problem.default_range(parameter)
 
     def full_parameters(self, z: Array) -> Array:
         p = self.problem.base.copy()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,10 +41,6 @@ class LargeOrbitBase(Base):
     has_stability = False
 
     @property
-    def system(self) -> Any:
-        return self.problem.system
-
-    @property
     def angle_periods(self) -> Array:
         return np.zeros(self._states + BEHIND - 1)
 
@@ -68,12 +64,6 @@ class LargeOrbitBase(Base):
     @property
     def conditions(self) -> int:
         return 0
-
-    def constants(self) -> dict[str, float]:
-        return self.problem.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.problem.default_range(parameter)
 
     def inner(self, z: Array) -> Array:
         """(U, T, first parameter), also of a metric or tangent."""

@@ -14,16 +14,16 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 import numpy as np
 
 from contin.abi import Array
-from contin.loci.augmented.base import Base
+from contin.loci.augmented.base import Base, OfSolutions
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.singular import Borders
 from contin.model.model import Model
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, trimmed
 from contin.problems.scales import parameter_width
 from contin.problems.two_parameters import OnAdaptiveMesh
 
 
-class OfSolutions(Protocol):
+class OnMeshes(OfSolutions, Protocol):
     """The problem of the solutions themselves, with one parameter active."""
 
     @property
@@ -31,14 +31,10 @@ class OfSolutions(Protocol):
 
     def profile(self, z: Array) -> Profile: ...
 
-    def constants(self) -> dict[str, float]: ...
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None: ...
-
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array: ...
 
 
-P = TypeVar("P", bound=OfSolutions)
+P = TypeVar("P", bound=OnMeshes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,12 +128,6 @@ class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
     def conditions(self) -> int:
         return int(self.type != "")
 
-    def constants(self) -> dict[str, float]:
-        return self.problem.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.problem.default_range(parameter)
-
     def null_functions(self, z: Array) -> Array | None:
         """(nodes, k) of the special solution at z, of largest value 1, which the mesh is to serve too, or None."""
         return None
@@ -159,8 +149,3 @@ class MeshedUnfolding:
     def near(self, problem: object, z: Array, scale: Array) -> Scalars:
         place = -1 - len(self.base.places)
         return lambda at: at[[place]]
-
-
-def trimmed(z: Array) -> Array:
-    """A row without the padding on its left."""
-    return z[int(np.argmax(~np.isnan(z))) :] if np.isnan(z[0]) else z

@@ -69,7 +69,8 @@ def of_locus(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[st
     base = PointBase(bordered(problem, problem.locus, p, names), codimension=2)
     scalar = curve.scalar(point.z) if curve.has_scalar else 0.0
     made = AugmentedCurve(base, (Extremal(str(point.normal_form["of"]), new),), TYPE, names)
-    return Seed(made, base.locus.curve.place(point.z[: problem.n], p, scalar), parent=Parent(point.branch, point.label))
+    z = base.problem.curve.place(point.z[: problem.n], p, scalar)
+    return Seed(made, z, parent=Parent(point.branch, point.label))
 
 
 def of_extrema(problem: AugmentedCurve, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
@@ -104,5 +105,5 @@ def _wider(base: object, names: Sequence[str]) -> PointBase | EquilibriumBase | 
         found = tuple(places(base.system.parameter_names, names))
         return OrbitBase(replace(base.problem, active=found[0]), found, base.type)
     assert isinstance(base, PointBase)
-    locus = base.locus
-    return replace(base, locus=bordered(locus, locus.locus, locus.base.copy(), names))
+    locus = base.problem
+    return replace(base, problem=bordered(locus, locus.locus, locus.base.copy(), names))

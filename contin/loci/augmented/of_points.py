@@ -44,9 +44,9 @@ def of_codimension_two(
 ) -> Seed:
     """The curve of such points in three parameters through (u, p); scalar: kappa of a Hopf point."""
     base = PointBase(bordered(locus, RESTS_ON[type_], p, parameters), codimension=2)
-    held = Unfolding(base.locus) if type_ == "BP" else Degeneracy(type_, base.locus)
+    held = Unfolding(base.problem) if type_ == "BP" else Degeneracy(type_, base.problem)
     problem = AugmentedCurve(base, (held,), type_, tuple(parameters))
-    return Seed(problem, base.locus.curve.place(u, p, scalar), parent=parent)
+    return Seed(problem, base.problem.curve.place(u, p, scalar), parent=parent)
 
 
 def under_conditions(seed: Seed, relations: tuple[Relation, ...], free: Sequence[str]) -> Seed:
@@ -59,11 +59,11 @@ def under_conditions(seed: Seed, relations: tuple[Relation, ...], free: Sequence
     own = locus.curve
     u, p, z = seed.z[: own.n], own.full_parameters(seed.z), seed.z
     base = PointBase(bordered(locus, locus.locus, p, (*locus.parameters, *free)))
-    held = Conditions(model, relations, base.locus)
+    held = Conditions(model, relations, base.problem)
     problem = AugmentedCurve(
         base, (held,), locus.locus, locus.parameters, tuple(free), (locus.first_bounds, locus.second_bounds)
     )
-    start = base.locus.curve.place(u, p, own.scalar(z) if own.has_scalar else 0.0)
+    start = base.problem.curve.place(u, p, own.scalar(z) if own.has_scalar else 0.0)
     return replace(seed, problem=problem, z=onto(problem, start), direction=None, scale=None)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from contin.continuation.outcome import Outcome, Verified
 from contin.continuation.sample import Sample
 from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
-from contin.loci.augmented.meshed import Chosen, MeshedBase, trimmed
+from contin.loci.augmented.meshed import Chosen, MeshedBase
 from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 from contin.loci.tolerances import REAL
@@ -59,10 +59,6 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         return np.concatenate([np.arange(self.profile(z).u.size + 1), np.arange(z.size - self.behind, z.size)])
 
     # -- the base's contract -------------------------------------------------------------------------------------------
-
-    @property
-    def system(self) -> Any:
-        return self.problem.system
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -213,7 +209,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         found = {name: np.array([v[k] for v in values]) for k, name in enumerate(self.names)}
         found["period"] = np.array([self.profile(row).period for row in z])
         if self.extra:
-            found["unfolding"] = np.array([trimmed(row)[-self.behind] for row in z])
+            found["unfolding"] = z[:, -self.behind].copy()  # rows are padded on the left
         return found | orbit_columns(z, names_of(self.system), self.profile, functions)
 
     def column_names(self) -> tuple[str, ...]:

@@ -48,11 +48,6 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
-    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        first, second = self.widths(z, bounds)
-        own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
-        return self.curve.join(own, second, 1.0)
-
     def configured(self, seed: Seed, settings: Settings) -> Seed:
         """Of orbits born at an equilibrium: by shooting where that is asked for, or the flow is piecewise smooth."""
         configured: Seed = lazy.module("discretisation").loci_as_chosen(seed, settings)

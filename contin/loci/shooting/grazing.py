@@ -45,9 +45,8 @@ class GrazingCurve(CurveByShooting):
 
     def as_they_are(self, z: Array) -> ShootingProblem:
         """With held surfaces: without, rounding decides whether the orbit touches, crosses or slides."""
-        base = self.orbits.base.copy()
-        base[self.second] = z[-2]
-        return replace(self.orbits, base=base)
+        orbits: ShootingProblem = super().at(z)
+        return orbits
 
     @property
     def movable(self) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.metric import measured_in
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Frame, Sample
 from contin.problems.shooting.layout import Nodes, make_scale
@@ -16,7 +17,6 @@ from contin.problems.shooting.renewal import misplaced
 
 if TYPE_CHECKING:
     from contin.loci.shooting.shot_curve_equations import ShotCurveEquations
-
 
 
 def renew(problem: ShotCurveEquations, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
@@ -37,19 +37,14 @@ def renew(problem: ShotCurveEquations, origin: Sample, before: Sample | None, fr
         return Renewal(scale, origin, before, None)
     renewed = curve.join(make_scale(grown, nodes.count, period, float(scale[-1])), float(scale[-2]), 1.0)
     if not moves:
-        kept = None if before is None else _remeasured(before, scale, renewed)
-        return Renewal(renewed, _remeasured(origin, scale, renewed), kept, None)
+        kept = None if before is None else measured_in(before, scale, renewed)
+        return Renewal(renewed, measured_in(origin, scale, renewed), kept, None)
     fraction = quietest(orbits, orbit)
     moved = rebased(orbits, orbit, fraction, grown)
     there = problem.with_gauge(problem.curve.shifted(fraction).gauge)
     z = curve.join(moved, float(origin.z[-2]), curve.further(origin.z))
     here = _at_new_phase(there, origin, z, scale, renewed)
     return Renewal(renewed, here, None, None, gauge=there.curve.gauge)
-
-
-def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
-    t = np.where(sample.tangent == 0.0, 0.0, sample.tangent * (old / scale))
-    return replace(sample, tangent=t / np.linalg.norm(t))
 
 
 def _at_new_phase(problem: ShotCurveEquations, origin: Sample, z: Array, old: Array, scale: Array) -> Sample:

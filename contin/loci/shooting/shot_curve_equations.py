@@ -28,11 +28,6 @@ class ShotCurveEquations(MarchedInPython, OfPeriodicOrbits):
     curve: CurveByShooting
     maximum_chunk = 10
 
-    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        first, second = self.widths(z, bounds)
-        own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
-        return self.curve.join(own, second, 1.0)
-
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> BorderedShooting | None:
         found = self.linearised(z, tangent, scale)
         return None if found is None else BorderedShooting(*found[0])

@@ -72,7 +72,7 @@ def tests_at(problem: OnLargeCurve, z: Array) -> tuple[Array, int, NDArray[np.co
         if not isinstance(at, Folds):
             return np.full(4, np.nan), unstable, values
         chain = _chain(at, problem.curve.linear_at(z))
-        return np.array([_quadratic(at, problem.n), chain, pair, 1.0]), unstable, values
+        return np.array([_quadratic(at), chain, pair, 1.0]), unstable, values
     real = rest[np.abs(rest.imag) <= REAL * np.abs(rest)].real
     product = 1.0
     if real.size:
@@ -85,7 +85,7 @@ def tests_at(problem: OnLargeCurve, z: Array) -> tuple[Array, int, NDArray[np.co
     return np.array([kappa / max(typical, 1e-300), product, pair, lyapunov]), unstable, values
 
 
-def _quadratic(at: Folds, n: int) -> float:
+def _quadratic(at: Folds) -> float:
     """<w, B(v, v)>"""
     v = np.real(at.at.v)
     return -float(at.slopes(np.append(v, np.zeros(2)))[0])
@@ -139,7 +139,7 @@ def _measure(problem: OnLargeCurve, type_: str, near: Sample) -> Callable[[At], 
     curve = problem.curve
 
     if type_ == "CP":
-        return _sized(lambda at: _quadratic(curve.folds_at(at.z), problem.n), problem, near, type_)
+        return _sized(lambda at: _quadratic(curve.folds_at(at.z)), problem, near, type_)
     if type_ == "BT":
         return lambda at: _relative_chain(curve.folds_at(at.z), curve.linear_at(at.z))
     if type_ == "GH":

@@ -26,7 +26,7 @@ from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.orbits.linearised.tangent_solver import Factorised
 from contin.problems.orbits.measured.functionals import OrbitConditions
 from contin.problems.orbits.measured.measures import standard_names
-from contin.problems.orbits.mesh.layout import Profile, make_scale
+from contin.problems.orbits.mesh.layout import Profile, make_scale, trimmed
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 
@@ -50,10 +50,10 @@ class ConditionedOrbits(Conditioned):
     adaptive = True
 
     def profile(self, z: Array) -> Profile:
-        return self.inner.profile(_trimmed(self.inner_vector(_trimmed(z))))
+        return self.inner.profile(trimmed(self.inner_vector(trimmed(z))))
 
     def _bare(self, z: Array) -> Array:
-        return self.inner_vector(_trimmed(z))
+        return self.inner_vector(trimmed(z))
 
     def _parameters(self, z: Array) -> Array:
         return np.asarray(self.at(self.free_values(z)).full_parameters(self.inner_vector(z)))
@@ -227,7 +227,7 @@ class ConditionedOrbits(Conditioned):
         """As of orbits, with the free parameters and the functionals in conditions."""
         rows: list[dict[str, float]] = []
         for row in z:
-            point = _trimmed(row)
+            point = trimmed(row)
             inner, bare = self.at(self.free_values(point)), self.inner_vector(point)
             found = {name: float(column[0]) for name, column in inner.columns(bare[None]).items()}
             found |= dict(zip(self.free_names, self.free_values(point).tolist(), strict=True))
@@ -262,8 +262,3 @@ class ConditionedOrbits(Conditioned):
 
     def describe_failure(self, z: Array) -> str:
         return str(self.at(self.free_values(z)).describe_failure(self.inner_vector(z)))
-
-
-def _trimmed(z: Array) -> Array:
-    """A row without the padding on its left."""
-    return z[int(np.argmax(~np.isnan(z))) :] if np.isnan(z[0]) else z

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
+from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Outcome, Verified, unverified
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Chunk, Frame, Sample
@@ -210,8 +211,8 @@ class LargeOrbitProblem(LargeOrbitEquations):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         """Two points of one type are one: parameter and period agree."""
-        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(float(a.z[-2] - b.z[-2])) <= 1e-5 * abs(float(a.z[-2]))
+        near = abs(float(a.z[-1] - b.z[-1])) <= slack(a, b, scale)
+        return near and abs(float(a.z[-2] - b.z[-2])) <= 1e-5 * abs(float(a.z[-2]))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What the trivial multiplier says of the mesh, at the last row."""

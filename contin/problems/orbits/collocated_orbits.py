@@ -143,7 +143,7 @@ class OrbitProblem(OrbitEquations):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        return renew(self, origin, before, loop, frame, settings)
+        return renew(self, origin, before, loop, frame)
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """A homoclinic orbit that the family was near when its corrector failed."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
@@ -74,11 +75,6 @@ class FamilyOfOrbits(InOneParameterProblem):
         @property
         def measures(self) -> Measures | None:
             """Columns that are asked for beside those of every family."""
-
-    @property
-    def is_map(self) -> bool:
-        """Stability is decided by multipliers."""
-        return True
 
     @property
     def autonomous(self) -> bool:
@@ -167,8 +163,8 @@ class FamilyOfOrbits(InOneParameterProblem):
         return finite_multipliers(self.system, values, self.profile(z).period)
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and self.is_one(self.profile(a.z), self.profile(b.z))
+        near = abs(float(a.z[-1] - b.z[-1])) <= slack(a, b, scale)
+        return near and self.is_one(self.profile(a.z), self.profile(b.z))
 
     def is_one(self, one: Profile, other: Profile) -> bool:
         """True where two orbits agree in period, extent and place, whatever their phases."""

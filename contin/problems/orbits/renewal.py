@@ -10,7 +10,6 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Frame, Sample
-from contin.continuation.settings import Settings
 from contin.problems.orbits.ends.ends import ending
 from contin.problems.orbits.mesh.adaption import WORTHWHILE, choose_mesh, estimate
 from contin.problems.orbits.mesh.layout import Profile, make_scale
@@ -24,10 +23,7 @@ NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
 TOO_FINE = 0.55  # part of the present number of intervals below which the mesh is made coarser
 
 
-def renew(
-    problem: OrbitEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame,
-    settings: Settings,
-) -> Renewal:  # fmt: skip
+def renew(problem: OrbitEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame) -> Renewal:
     """Metric and mesh for the next chunk, or the end of the branch."""
     found = ending(problem, origin, before, frame)
     if found is not None:
@@ -52,9 +48,7 @@ class Fit:
     period: float
 
 
-def refitted(
-    problem: Meshed, profile: Profile, sizes: Array, period: float, beside: Array | None = None
-) -> Fit | None:
+def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float, beside: Array | None = None) -> Fit | None:
     """What fits an orbit better than its mesh, these sizes and this scale of the period; None where they still do.
 
     beside (nodes, k) : functions that are to be as accurate, such as null vectors; of each its largest value is 1.

@@ -47,6 +47,12 @@ class CurveOfOrbits(Gauged):
     def first(self) -> int:
         return int(self.orbits.active)
 
+    def at(self, z: Array) -> Any:
+        """The orbits' problem at the second parameter's value in z."""
+        base = self.orbits.base.copy()
+        base[self.second] = z[-2]
+        return replace(self.orbits, base=base)
+
 
 class CurveOfPeriodicOrbits(CurveOfOrbits):
     """z = (u at the nodes, T, h_1 .. h_N, further unknown if `extra`, q, p)."""
@@ -67,12 +73,6 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
     def further(self, z: Array) -> float:
         """cos(theta) or the unfolding; 0 where there is neither."""
         return float(z[-3]) if self.extra else 0.0
-
-    def at(self, z: Array) -> Any:
-        """The orbits' problem at the second parameter's value in z."""
-        base = self.orbits.base.copy()
-        base[self.second] = z[-2]
-        return replace(self.orbits, base=base)
 
     def profile(self, z: Array) -> Profile:
         found: Profile = self.at(z).profile(self.orbit(z))
@@ -117,6 +117,12 @@ class OrbitCurveProblem(OnAdaptiveMesh, TwoParameterProblem):
 
 class OfPeriodicOrbits(OrbitCurveProblem):
     """`curve` is a `CurveOfPeriodicOrbits`."""
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        first, second = self.widths(z, bounds)
+        own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
+        scale: Array = self.curve.join(own, second, 1.0)
+        return scale
 
     def profile(self, z: Array) -> Profile:
         """The orbit of a point."""

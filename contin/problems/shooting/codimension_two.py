@@ -15,7 +15,7 @@ import numpy as np
 
 from contin.abi import Vector
 from contin.continuation.outcome import Verified
-from contin.normalforms.jet import Jet, Kind, Real
+from contin.normalforms.jet import Disturbed, Jet, Real
 from contin.normalforms.linear import normalise, singular_vectors
 from contin.normalforms.result import NO_FORM
 from contin.problems.no_derivatives import NoDerivatives
@@ -67,14 +67,12 @@ def _with_noise(jet: Jet, returns: ReturnMap) -> Sequence[Jet]:
 
 
 @dataclass(frozen=True, eq=False)
-class NoisyJet:
+class NoisyJet(Disturbed):
     """A jet whose derivatives are off by the noise of their order, in a pattern of signs."""
 
     jet: Jet
     noise: Callable[[int], float]
     number: int
-    kind: Kind = "map"
-    parameters: int = 0
 
     @cached_property
     def _patterns(self) -> tuple[Real, Real]:
@@ -82,20 +80,8 @@ class NoisyJet:
         return random.choice([-1.0, 1.0], self.n), random.choice([-1.0, 1.0], self.n)
 
     @property
-    def n(self) -> int:
-        return self.jet.n
-
-    @property
-    def scale(self) -> Real | None:
-        return self.jet.scale
-
-    @property
     def A(self) -> Real:
         return self.jet.A
-
-    @property
-    def second_sizes(self) -> Real:
-        return self.jet.second_sizes
 
     def form(self, *directions: Vector) -> Vector:
         signs, weights = self._patterns

@@ -116,13 +116,13 @@ def family_tangents(problem: ShotFamily, z: Array, scale: Array) -> Sequence[Arr
         return [embedded(vectors[-1], positions, len(z))]
     if problem.fixed is not None:
         count = 1 + int(np.count_nonzero(values <= SINGULAR * values[0]))
-        kept = _broken(problem, vectors[-count:], positions, scale)
+        kept = _broken(problem, vectors[-count:], scale)
         if kept is not None:
             return [embedded(v, positions, len(z)) for v in kept]
-    return [embedded(v, positions, len(z)) for v in _symmetric_first(problem, z, vectors[-2:], positions, scale)]
+    return [embedded(v, positions, len(z)) for v in _steepest_first(vectors[-2:])]
 
 
-def _broken(problem: Any, null: Array, positions: NDArray[np.intp], scale: Array) -> list[Array] | None:
+def _broken(problem: Any, null: Array, scale: Array) -> list[Array] | None:
     """Of a null space (rows): the family's own direction, which the orbits' symmetries keep, and one that breaks them.
 
     None where more of them are kept than one.
@@ -140,9 +140,7 @@ def _broken(problem: Any, null: Array, positions: NDArray[np.intp], scale: Array
     return None if alone is None else [own, alone]
 
 
-def _symmetric_first(
-    problem: ShotFamily, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array
-) -> list[Array]:
+def _steepest_first(plane: Array) -> list[Array]:
     """An orthonormal basis of the plane: the direction with the largest parameter part, then the one without any."""
     rates = plane[:, -1]
     size = float(elementary.hypot(*rates))

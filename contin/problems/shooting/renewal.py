@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.continuation.metric import measured_in
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
@@ -26,9 +27,7 @@ LOST_SECTION = 0.7  # cosine between flow and normal below which the section is 
 TANGENT = 0.05  # ... below which the section is tangent to the flow
 
 
-def renew(
-    problem: ShotEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame
-) -> Renewal:
+def renew(problem: ShotEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame) -> Renewal:
     """Metric and phase for the next chunk, or the end of the branch."""
     found = _ending(problem, origin, before, frame)
     if found is not None:
@@ -47,8 +46,8 @@ def renew(
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(grown, nodes.count, period, float(frame.scale[-1]))
     if not moves:
-        kept, start = (None if s is None else _remeasured(s, frame.scale, scale) for s in (before, loop))
-        return Renewal(scale, _remeasured(origin, frame.scale, scale), kept, start)
+        kept, start = (None if s is None else measured_in(s, frame.scale, scale) for s in (before, loop))
+        return Renewal(scale, measured_in(origin, frame.scale, scale), kept, start)
     fraction = quietest(problem, origin.z)
     moved = rebased(problem, origin.z, fraction, grown)
     target = Nodes.of(moved, problem.n)
@@ -90,11 +89,6 @@ def cut_where_oblique(problem: ShotEquations, chunk: Chunk, scale: Array) -> Chu
         if obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale)) < LOST_SECTION:
             return chunk.cut(row + 1, Stop.LIMIT, float(chunk.lengths[row]))
     return chunk
-
-
-def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
-    t = np.where(sample.tangent == 0.0, 0.0, sample.tangent * (old / scale))
-    return replace(sample, tangent=t / np.linalg.norm(t))
 
 
 def _moved(

@@ -282,7 +282,7 @@ def _angle(sympy: ModuleType, line: Line, cos_delta: Sympy, sin_delta: Sympy) ->
     return sympy.atan2(sin_delta, cos_delta)
 
 
-def assumptions(found: Sequence[Region], values: Mapping[str, float]) -> list[str]:
+def assumptions(found: Sequence[Region]) -> list[str]:
     """What the order of the critical radii presumes about parameters: '0 < x1 < x2'; nothing where they are numbers."""
     radii = [region.high for region in found if region.high is not None]
     if not any(radius.free_symbols for radius in radii):

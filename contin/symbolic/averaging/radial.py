@@ -172,7 +172,7 @@ def average_over_turn(function: Expression, setting: Setting) -> RadialAverage:
     """
     function = without_kinks(function, PLANE)
     found, order = regions(function, setting.omega, setting.values, setting.positive)
-    pieces, presumes, signs = [], assumptions(found, setting.values), []
+    pieces, presumes, signs = [], assumptions(found), []
     for region in found:
         piece, needs = _piece(region, setting)
         pieces.append(piece)

@@ -28,7 +28,7 @@ def regular_in_argument(product: Expression) -> Expression | None:
         if not any(base.mask and base in powers for base in factor_powers(w)):
             continue
         try:
-            result = _regular(product, powers, w)
+            result = _regular(powers, w)
         except (NotAnalyticError, OverflowError):
             continue
         if result is not None:
@@ -68,7 +68,7 @@ def _arguments(product: Expression) -> Iterator[Expression]:
             yield w
 
 
-def _regular(product: Expression, powers: Powers, w: Expression) -> Expression | None:
+def _regular(powers: Powers, w: Expression) -> Expression | None:
     local = dict(zip(powers, substitute(powers, {w: symbol(LOCAL)}), strict=True))
     bit = symbol_bit(LOCAL)
     order = 0

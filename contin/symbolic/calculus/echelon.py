@@ -8,15 +8,17 @@ import numpy as np
 
 from contin.abi import Array
 
+ZERO = 1e-7  # entries of null vectors of sampled matrices below this are rounding
 
-def echelon(space: Array, zero: float, *, relative: bool) -> Array:
-    """Reduced row echelon form; entries below `zero` (relative: of the largest at the time) are no pivots."""
+
+def echelon(space: Array, *, relative: bool) -> Array:
+    """Reduced row echelon form; entries below `ZERO` (relative: of the largest at the time) are no pivots."""
     rows, done = space.copy(), 0
     for column in range(rows.shape[1]):
         if done == len(rows):
             break
         pivot = done + int(np.argmax(np.abs(rows[done:, column])))
-        if abs(rows[pivot, column]) <= zero * (np.abs(rows).max() if relative else 1.0):
+        if abs(rows[pivot, column]) <= ZERO * (np.abs(rows).max() if relative else 1.0):
             continue
         rows[[done, pivot]] = rows[[pivot, done]]
         rows[done] /= rows[done, column]

@@ -81,7 +81,7 @@ def _pair(names: tuple[str, str], sign: int) -> tuple[Callable[[Series], Series]
     return odd, even
 
 
-def _ratio(name: str, odd: Callable[[Series], Series], even: Callable[[Series], Series]) -> Callable[[Series], Series]:
+def _ratio(odd: Callable[[Series], Series], even: Callable[[Series], Series]) -> Callable[[Series], Series]:
     def quotient(a: Series) -> Series:
         if is_zero(a.terms[0]):
             a = Series(0, (Fraction(0), *a.terms[1:]))
@@ -134,8 +134,8 @@ _RULES: Final[dict[str, Callable[[Series], Series]]] = {
     "cos": _cos,
     "sinh": _sinh,
     "cosh": _cosh,
-    "tan": _ratio("tan", _sin, _cos),
-    "tanh": _ratio("tanh", _sinh, _cosh),
+    "tan": _ratio(_sin, _cos),
+    "tanh": _ratio(_sinh, _cosh),
     "log": _log,
     "log1p": _log1p,
     "log10": _log10,

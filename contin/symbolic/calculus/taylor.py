@@ -58,9 +58,7 @@ def taylor_near_zero(local: Expression, w: Expression) -> tuple[Expression, Expr
     return logical("and", *guards), polynomial(kept, w, 0)
 
 
-def _sampled(
-    coefficients: Sequence[Coefficient], scales: Sequence[Scale], radius: float
-) -> list[tuple[float, list[float]]]:
+def _sampled(coefficients: Sequence[Coefficient], scales: Sequence[Scale]) -> list[tuple[float, list[float]]]:
     """At sample points of the other symbols: (unit of w in which the nearest singularity is at 1, the coefficients)."""
     formulas = [as_expression(c) for c in [*coefficients, *(s.factor for s in scales)]]
     names = symbols_in(formulas)
@@ -77,7 +75,7 @@ def _sampled(
 def _sufficient_degree(coefficients: Sequence[Coefficient], scales: Sequence[Scale], radius: float) -> int | None:
     """Degree at which the remainder's third derivative is below `ACCURACY` (of the largest low derivative)."""
     degrees = []
-    for unit, values in _sampled(coefficients, scales, radius):
+    for unit, values in _sampled(coefficients, scales):
         scaled = [abs(c) * elementary.pow(unit, k) for k, c in enumerate(values)]
         natural = max([*scaled[:4], *(c * k**3 * elementary.pow(radius, k - 3) for k, c in enumerate(scaled) if k > 3)])
         largest = max(scaled)
@@ -98,7 +96,7 @@ def _agrees(local: Expression, coefficients: Sequence[Coefficient], scales: Sequ
     """Polynomial and quotient have the same values just inside the guard, on both sides."""
     names = [name for name in symbols_in([local]) if name != LOCAL]
     compared = 0
-    for sample, (unit, values) in enumerate(_sampled(coefficients, scales, radius)):
+    for sample, (unit, values) in enumerate(_sampled(coefficients, scales)):
         env = {name: sample_value(name, sample) for name in names}
         for x in (0.9 * radius * unit, -0.9 * radius * unit):
             (exact,) = evaluate_all([local], {**env, LOCAL: x})

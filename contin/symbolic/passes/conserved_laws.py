@@ -194,7 +194,7 @@ def _by_numbers(rates: Sequence[Expression], draws: _Draws, names: Sequence[str]
                for law in plain]  # fmt: skip
     for row in _rational_rows(space):
         law = Law({n: number(c) for n, c in zip(names, row, strict=True) if c})
-        error = _error(rates, draws, names, row)
+        error = _error(rates, draws, row)
         more = [*vectors, [float(c) for c in row]]
         if error <= AGREES and np.linalg.matrix_rank(np.array(more), tol=1e-9) == len(more):
             vectors = more
@@ -204,7 +204,7 @@ def _by_numbers(rates: Sequence[Expression], draws: _Draws, names: Sequence[str]
 
 def _rational_rows(space: Array) -> list[Row]:
     """Echelon form of the columns, where all of its entries are simple fractions."""
-    rows = echelon(space.T, 1e-7, relative=True)
+    rows = echelon(space.T, relative=True)
     simple = fractions(rows, LARGEST_WHOLE)
     return [
         whole for whole, row in zip(simple, rows, strict=True)
@@ -212,7 +212,7 @@ def _rational_rows(space: Array) -> list[Row]:
     ]  # fmt: skip
 
 
-def _error(rates: Sequence[Expression], draws: _Draws, names: Sequence[str], row: Row) -> float:
+def _error(rates: Sequence[Expression], draws: _Draws, row: Row) -> float:
     """Largest |c . f| of the largest |c_i f_i| at random points; infinite where there are too few.
 
     Points near the start may all lie on one side of a surface at which the equations change their formula. Where they

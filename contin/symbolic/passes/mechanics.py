@@ -55,7 +55,7 @@ def mechanical_model(
     declared = _functions(functions or {}, parameters)
     known = [*coordinates, *(f"d{q}" for q in coordinates), *unknowns, *parameters]
     residuals = [e if isinstance(e, Expression) else parse(e, known, declared) for e in equations]
-    solved = _accelerations(residuals, unknowns, _anywhere(known, parameters))
+    solved = _accelerations(residuals, unknowns, _anywhere(known))
     names = {q: (velocities or {}).get(q, f"d{q}") for q in coordinates}
     renamed = {symbol(f"d{q}"): symbol(v) for q, v in names.items()}
     motion: Fields = {}
@@ -74,7 +74,7 @@ def _functions(texts: Record, parameters: Record) -> Mapping[str, Function]:
                  equations={"t_": 0}).functions  # fmt: skip
 
 
-def _anywhere(names: Sequence[str], parameters: Record) -> dict[str, float]:
+def _anywhere(names: Sequence[str]) -> dict[str, float]:
     """A general point, to tell a zero pivot from others."""
     return {name: 0.61 + 0.137 * ((7 * k) % 11) for k, name in enumerate(names)}
 

@@ -78,7 +78,7 @@ def _candidates(model: Model) -> list[list[Fraction]]:
         return []
     _, singular, right = np.linalg.svd(rows, full_matrices=True)
     space = right[int(np.sum(singular > NOTHING * singular[0])) :]
-    return fractions(echelon(space, 1e-7, relative=False), 1000)
+    return fractions(echelon(space, relative=False), 1000)
 
 
 def _holds(model: Model, direction: dict[str, Fraction]) -> bool:

@@ -111,7 +111,7 @@ class GivenFunction:
         self.state_names = tuple(states) if states is not None else default
         self._check_names(name, title, symmetries or {})
         self.parameter_jacobian, self.derivative, self.record = parameter_jacobian, derivative, record
-        self.ranges = dict(ranges or {})
+        self.ranges = {name: (float(low), float(high)) for name, (low, high) in (ranges or {}).items()}
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
         self.rotation = self._rotation(rotation, periods)
         self.sparsity, self.preconditioner = sparsity, preconditioner

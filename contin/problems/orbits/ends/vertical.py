@@ -36,6 +36,7 @@ LARGE = 0.2  # extent of orbits that cannot be so near to their Hopf point other
 EXPLAINED = 0.5  # part of that distance which a finer mesh takes away
 TOLERANCE = 1e-9  # of Newton's last step there
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
+PAIRED = 1e-6  # products of multipliers this close to 1 are 1
 FEWEST = 10  # rows that tell a family
 
 
@@ -178,13 +179,13 @@ def distance_from_one(values: NDArray[np.complex128]) -> float:
     return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
-def is_reciprocal(values: NDArray[np.complex128], tolerance: float = 1e-6) -> bool:
+def is_reciprocal(values: NDArray[np.complex128]) -> bool:
     """True for multipliers that come in pairs (m, 1/m), as in Hamiltonian systems: a pair leaves the unit circle only
     through 1, -1 or another pair, so the sign of |m| - 1 on it is rounding."""
     left = list(values)
     while len(left) > 1:
         value = left.pop()
         partner = int(np.argmin([abs(value * w - 1.0) for w in left]))
-        if not abs(value * left.pop(partner) - 1.0) <= tolerance:  # NaN, too
+        if not abs(value * left.pop(partner) - 1.0) <= PAIRED:  # NaN, too
             return False
     return not left

@@ -115,11 +115,15 @@ def node_weights(h: Array, m: int) -> Array:
     return weights
 
 
-def profile_of(z: Array, n: int, m: int) -> Profile:
-    """Read z (NaN padding on the left is dropped)."""
+def trimmed(z: Array) -> Array:
+    """A row without the padding (NaN) on its left, which rows on coarser meshes have."""
     first = float(z[0])
-    if first != first:
-        z = z[np.argmax(~np.isnan(z)) :]
+    return z[int(np.argmax(~np.isnan(z))) :] if first != first else z
+
+
+def profile_of(z: Array, n: int, m: int) -> Profile:
+    """Read z (padded, perhaps)."""
+    z = trimmed(z)
     intervals = (z.size - n - 2) // (m * n + 1)
     nodes = (intervals * m + 1) * n
     return Profile(m, z[:nodes].reshape(-1, n), float(z[nodes]), z[nodes + 1 : -1], float(z[-1]))
