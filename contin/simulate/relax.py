@@ -93,12 +93,9 @@ class DenseFlow:
         return f, resolvent
 
 
-def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relaxed:
-    """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice.
-
-    steps : default `STEPS`, fewer for large systems.
-    """
-    steps = steps or int(np.clip(EFFORT / float(system.n * system.n * system.n), FEWEST, STEPS))
+def relax(system: System, u: Array, p: Array) -> Relaxed:
+    """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice."""
+    steps = int(np.clip(EFFORT / float(system.n * system.n * system.n), FEWEST, STEPS))
     u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
     time, used = 0.0, 0
     for attempt in range(PUSHES + 1):
@@ -118,11 +115,11 @@ def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relax
     raise AssertionError("the last attempt returns")
 
 
-def stiff_loop(system: System, u: Array, p: Array, steps: int = LOOP_STEPS) -> tuple[Array, Array] | None:
+def stiff_loop(system: System, u: Array, p: Array) -> tuple[Array, Array] | None:
     """Times (K,) and states (K, n) of one turn on a cycle that a stiff flow is on, closed up to the method's error."""
     path: list[tuple[float, Array]] = []
     u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
-    end, _ = run(DenseFlow(system, u, p), u, steps, LOOP_TOLERANCE, path)
+    end, _ = run(DenseFlow(system, u, p), u, LOOP_STEPS, LOOP_TOLERANCE, path)
     if end.outcome != "moving" or len(path) < CALM:
         return None
     t, states = np.array([time for time, _ in path]), np.array([state for _, state in path])

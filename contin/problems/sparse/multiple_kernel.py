@@ -18,17 +18,16 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
 from contin.linalg.bordered import Solver
-from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.multiple import multiple_directions
 from contin.normalforms.reduction import Reduction
+from contin.problems.sparse.reduced_equation import settled
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
 
 STEPS: Final = 12
-ONTO: Final = Rules(settled=0.0, stalled=1e-6, budget=STEPS)  # relative to the size of z
 CONSISTENT: Final = 1e-6  # what may be left of mu and its slopes, beside the second derivatives
 
 
@@ -92,17 +91,13 @@ class Kernel:
         n = len(self.origin) - 1
         return np.append(x[:n], x[-1]), x[n:-1]
 
-    def onto(self, z: Array, mu: Array, a: Array) -> tuple[Array, Array] | None:
-        """The point with C^T (z - origin) = a and F + B mu = 0, by Newton from (z, mu); None where that fails."""
-
-        def correct(at: tuple[Array, Array]) -> tuple[float, tuple[Array, Array]]:
-            z, mu = at
+    def onto(self, z: Array, mu: Array, a: Array) -> tuple[Array, Array]:
+        """The point with C^T (z - origin) = a and F + B mu = 0, by Newton from (z, mu)."""
+        def correction(z: Array, mu: Array) -> tuple[Array, Array]:
             f = self.problem.residual(z) + self.columns @ mu
-            dz, dmu = self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
-            return norm(dz) / (norm(z) + 1.0), (z + dz, mu + dmu)
+            return self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
 
-        found = newton(correct, (z, mu), ONTO)
-        return None if found is None else found.at
+        return settled(correction, z, mu)
 
     def slopes(self, z: Array) -> tuple[Solver, Array, Array]:
         """The solver at z, z_i as rows (k + 1, n + 1), and mu_i as columns (k, k + 1)."""
@@ -127,10 +122,7 @@ class Kernel:
         z, mu, a = self.origin, np.zeros(self.k), np.zeros(self.k + 1)
         before, left = np.inf, np.inf
         for _ in range(STEPS):
-            there = self.onto(z, mu, a)
-            if there is None:
-                return None
-            z, mu = there
+            z, mu = self.onto(z, mu, a)
             solver, along, slopes = self.slopes(z)
             second, _ = self.curvatures(z, solver, along)
             size = float(np.abs(second).max())

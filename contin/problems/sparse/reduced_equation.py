@@ -12,8 +12,9 @@ A branch point is where mu = mu_1 = mu_2 = 0; its branches leave along the zeros
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
@@ -29,6 +30,20 @@ if TYPE_CHECKING:
 STEPS: Final = 12
 EPSILON: Final = float(np.finfo(float).eps)
 STALLED: Final = 1e-7  # a correction that no longer falls is rounding of a nearly degenerate point
+M = TypeVar("M", float, Array)
+
+
+def settled(correction: Callable[[Array, M], tuple[Array, M]], z: Array, mu: M) -> tuple[Array, M]:
+    """(z, mu) by Newton's steps `correction`, until they no longer become smaller."""
+    before = np.inf
+    for _ in range(STEPS):
+        dz, dmu = correction(z, mu)
+        size = norm(dz)
+        if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * (norm(z) + 1.0)):
+            break
+        z, mu = z + dz, mu + dmu
+        before = size
+    return z, mu
 
 
 @dataclass(frozen=True, eq=False)
