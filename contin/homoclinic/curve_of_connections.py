@@ -5,16 +5,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.sample import Frame, Sample
 from contin.homoclinic.equations import ConnectionCurve
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh.layout import Profile
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,9 +27,6 @@ from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import OnAdaptiveMesh
 from contin.symbolic.passes.connecting import MISS
-
-if TYPE_CHECKING:
-    pass
 
 UNBOUNDED = (-np.inf, np.inf)
 NEWTON = Rules(settled=1e-11, stalled=1e-7, budget=15)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.plane.cycles import Cycle
@@ -11,11 +10,6 @@ from contin.plane.field import Shown
 from contin.plane.flights import Flight
 from contin.plane.rest import Rest
 from contin.plane.separatrices import Separatrix
-
-if TYPE_CHECKING:
-    pass
-
-
 
 
 @dataclass(frozen=True, eq=False, repr=False)

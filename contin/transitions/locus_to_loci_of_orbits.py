@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
@@ -13,10 +12,6 @@ from contin.loci.shooting.shot_locus import ShotLocusProblem
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.transitions.registry import born
 from contin.transitions.special_orbits import seeds_through
-
-if TYPE_CHECKING:
-    pass
-
 
 
 @born(OrbitLocusProblem, "", "the other curves through it", parameters=2)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.problems.maps.cycle import LONGEST, CycleProblem, lifted
 from contin.transitions import births
 from contin.transitions.registry import Explored, born
-
-if TYPE_CHECKING:
-    pass
 
 SHORT: Final = Explored(cascade=True, when=lambda problem: 2 * problem.period <= LONGEST)
 

@@ -92,11 +92,11 @@ def test_hopf_point_beside_the_birth_of_equilibria(e, power):
     })  # fmt: skip
     line = api.continuation(api.equilibrium(model), "p", (-0.5, 0.5))
     branch = api.continuation(only(line["BP1"].switch()), "p", (-0.5, 0.5))
-    if e < 1e-8:
+    if e < 1e-8 and not branch.points:
         return  # nearer to the axis than an eigenvalue's error may be
     (point,) = branch.points
     assert point.type == "HB"
-    assert abs(point.values["x"] - e) <= 1e-3 * e
+    assert abs(point.values["x"] - e) <= max(1e-3 * e, 1e-10)
     assert abs(point.values["p"] - e**power) <= point.error + 1e-16
 
 

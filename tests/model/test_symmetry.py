@@ -63,7 +63,8 @@ def test_maps_compare_images_and_angles_modulo_their_period():
 def test_rounding_in_a_difference_of_large_terms_is_not_a_broken_symmetry():
     equations = {"x": "(x + 1e9*y) - 1e9*y - x + 1e-9*(x - y)", "y": "1e-9*(y - x)"}
     swap = {"x": "y", "y": "x"}
-    Model("m", states={"x": 1, "y": 1}, equations=equations, symmetries={"swap": swap})
+    model = Model("m", states={"x": 1, "y": 1}, equations=equations, symmetries={"swap": swap})
+    assert [symmetry.name for symmetry in model.symmetries] == ["swap"]
 
 
 def test_a_projection_is_not_a_symmetry():

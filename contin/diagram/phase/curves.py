@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -26,9 +26,6 @@ from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.special.table import codes, crossings
 from contin.transitions import births
-
-if TYPE_CHECKING:
-    pass
 
 MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a homoclinic orbit to a saddle-focus
 MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones

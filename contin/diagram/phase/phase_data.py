@@ -4,17 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.diagram.phase.checks import Check
 from contin.diagram.phase.lines import Box
 from contin.diagram.phase.states import State
-
-if TYPE_CHECKING:
-    pass
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +72,6 @@ class Region:
         if self.total == 1:
             return f"1 {one}, {'stable' if self.stable else 'unstable'}"
         return f"{self.stable or 'none'} of {self.total} {many} stable"
-
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -99,7 +99,7 @@ def test_right_derivatives_pass_at_every_scale_and_beside_kinks(scale):
         return np.array([[-1.0 - 0.1 * np.sign(u[0] / scale - 1.0)]])
 
     problem = contin.FunctionProblem(f, [scale], {"a": 1.0}, jacobian=jacobian, typical=scale)
-    contin.equilibrium(problem)
+    assert contin.equilibrium(problem).u == pytest.approx([scale], rel=1e-12)  # at the kink
 
 
 def test_complex_results_are_an_error_and_say_so():
