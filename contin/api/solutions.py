@@ -1,4 +1,4 @@
-"""What a run starts from where nothing else is said: an equilibrium, or what a model has in its place."""
+"""The solution that a run starts from by default: an equilibrium, or for other kinds of models their own solution."""
 
 from __future__ import annotations
 

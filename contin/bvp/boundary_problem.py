@@ -27,7 +27,7 @@ from contin.continuation.problem import Problem, Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
-from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.adaption import estimate, unresolved
 from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.mesh.move import Move
@@ -204,14 +204,12 @@ class BoundaryProblem(BoundaryEquations):
         if trouble:
             return trouble
         profile = self.profile(z)
-        error, _ = estimate(profile, np.maximum(np.abs(profile.u).max(axis=0), 1e-300), closed=False)
-        if error > 100.0 * self.tolerance:
-            return (
-                f"The mesh of {profile.intervals} intervals does not resolve the solution (estimated error "
-                f"{error:.1e}): it has a layer here. Try settings.intervals, or a smaller settings.max_step."
-            )
-        loose = undetermined(self, z)
-        return loose or "Try a smaller settings.step or min_step; check that conditions and equations are smooth here."
+        sizes = np.maximum(np.abs(profile.u).max(axis=0), 1e-300)
+        layer = "it has a layer here. Try settings.intervals, or a smaller settings.max_step."
+        coarse = unresolved(profile, sizes, self.tolerance, "solution", layer, closed=False)
+        return coarse or undetermined(self, z) or (
+            "Try a smaller settings.step or min_step; check that conditions and equations are smooth here."
+        )
 
 
 def _standing(problem: BoundaryProblem, origin: Sample, before: Sample | None) -> End | None:

@@ -24,7 +24,7 @@ class Ticker:
         self._thread: threading.Thread | None = None
 
     def update(self, text: object) -> None:
-        """What there is to say from now on."""
+        """The text that is shown from now on."""
         self._text = str(text)
 
     def start(self) -> None:

@@ -1,4 +1,4 @@
-"""What stands for the problem of a point that was read from a file: names, its orbit, and the way to its solution."""
+"""The problem of a point that was read from a file: its names, its orbit, and how its solution is found again."""
 
 from __future__ import annotations
 

@@ -305,5 +305,5 @@ def _work(budget: Budget) -> str:
 
 
 def _teller(diagram: Diagram, name: str) -> Callable[[str], None]:
-    """Notes what becomes of a branch."""
+    """Appends texts to the notes of the diagram, each under this name."""
     return lambda text: diagram.notes.append(f"{name}: {text}")

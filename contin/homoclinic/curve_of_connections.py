@@ -1,4 +1,4 @@
-"""A curve, or branch, of connecting orbits, as what looks for its special points takes it."""
+"""What the search for special points asks of a branch or a curve of connecting orbits."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Inverse(Protocol):
     """What Krylov spaces of an inverse are made of."""
 
     def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
-        """A^-1 right, or what stands in its place (`contin.linalg.pencil`)."""
+        """A^-1 right, or with a mass matrix the operator of `contin.linalg.pencil`."""
 
     def weigh(self, x: Vector) -> Vector:
         """A vector of the space that it works in: M x with a mass matrix, else x."""

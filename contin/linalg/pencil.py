@@ -71,5 +71,5 @@ def _agree(moved: Vector, wanted: Vector) -> bool:
 
 
 def inverse_of(linear: Linear) -> Inverse:
-    """What stands in the place of A^-1 where eigenvalues are sought: that itself without a mass matrix."""
+    """The operator whose largest eigenvalues are sought: A^-1 itself where there is no mass matrix."""
     return linear if linear.mass is None else OnRange(linear)

@@ -1,4 +1,4 @@
-"""A curve of points of one type in two parameters, as what looks for points of codimension two takes it."""
+"""What the search for points of codimension two asks of a curve of points of one type in two parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A point of codimension two whose normal form is not computed says so."""
+"""The remark of points of codimension two whose normal form is not computed."""
 
 from __future__ import annotations
 

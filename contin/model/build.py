@@ -119,22 +119,10 @@ class _StartReader:
     def read(self, name: str, data: Record, path: Path) -> Start:
         values = dict(data)
         overrides = values.pop("parameters", None) or {}
-        states = self.known(values, self.states, "state", path, self.scope)
-        parameters = self.known(overrides, self.parameters, "parameter", (*path, "parameters"), self.constants)
+        given, held = self.formulas.by_name, (*path, "parameters")
+        states = given(values, self.states, "state", path, self.scope)
+        parameters = given(overrides, self.parameters, "parameter", held, self.constants)
         return Start(name, states, parameters)
-
-    def known(self, data: Record, names: list[str], what: str, path: Path, scope: Scope) -> dict[str, Expression]:
-        found = {}
-        allowed = set(names)
-        for key, value in data.items():
-            name = canonical_name(key)
-            if name not in allowed:
-                advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
-                self.problems.add((*path, key), f"not a {what}: {advice}", key=True)
-                continue
-            found[name] = self.formulas.read(value, (*path, key), scope)
-        return found
-
 
 class _Builder:
     def __init__(self, entry: schema.ModelEntry, problems: Problems) -> None:

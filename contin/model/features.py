@@ -1,4 +1,4 @@
-"""What formulas cannot say, by name: delays, noise, integrals, derivatives. The message says what stands for it."""
+"""What formulas cannot say, by name: delays, noise, integrals, derivatives. The message says what to write instead."""
 
 from __future__ import annotations
 

@@ -8,11 +8,13 @@ from itertools import pairwise
 from typing import Final
 
 from contin.errors import ExpressionError
+from contin.model.advice import closest
 from contin.model.expression import Expression, is_condition, mask_of, number, substitute, symbol, symbols_in
 from contin.model.lexer import canonical_name, is_name, tokenize
 from contin.model.operators import as_written
 from contin.model.order import CircleError, dependency_order
 from contin.model.parser import Operand, parse_operand
+from contin.model.schema import shown
 from contin.model.scope import Budget, Function, Scope, placeholders
 from contin.model.source import Path, Problems, Span
 from contin.model.symbol_masks import crowd
@@ -70,6 +72,25 @@ class Formulas:
             self._note(path, value, "a condition is not a number; write, for example, 1 if x > 0 else 0", 0)
             return number(1)
         return operand.node
+
+    def by_name(
+        self, data: Record, names: Sequence[str], what: str, path: Path, scope: Scope, problems: Problems | None = None
+    ) -> dict[str, Expression]:
+        """The formula of each name; mistakes in a key or in the kind of a value go to `problems` (default: its own).
+
+        what : what the names are of, in words.
+        """
+        found, allowed, noted = {}, set(names), problems or self.problems
+        for key, value in data.items():
+            name = canonical_name(key)
+            if name not in allowed:
+                advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
+                noted.add((*path, key), f"not a {what}: {advice}", key=True)
+            elif isinstance(value, bool | dict | list) or value is None:
+                noted.add((*path, key), f"expected a number or a formula, got {shown(value)}")
+            else:
+                found[name] = self.read(value, (*path, key), scope)
+        return found
 
     def read_operand(self, value: object, path: Path, scope: Scope) -> Operand:
         """One formula, a number or a condition."""

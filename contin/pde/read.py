@@ -16,7 +16,7 @@ from contin.model.lexer import canonical_name
 from contin.model.misshapen import note
 from contin.model.naming import check_label, check_name
 from contin.model.parts import Parameter, Start
-from contin.model.schema import ParameterEntry, shown
+from contin.model.schema import ParameterEntry
 from contin.model.scope import Calls, Scope
 from contin.model.shape import check_version, plain
 from contin.model.source import CallSource, Path, Problems, Source
@@ -135,7 +135,7 @@ class _Builder:
     def _conserving(self, system: Discretised, parameters: list[Parameter]) -> Equations:
         """The equations with the means held that the file gives."""
         given, path = dict(self.entry.conserved), ("conserved",)
-        means = self._known(given, self.fields, "field", path, self.constants, self.problems)
+        means = self.formulas.by_name(given, self.fields, "field", path, self.constants)
         self.problems.raise_if_any()
         if not means:
             return system
@@ -157,7 +157,7 @@ class _Builder:
         if name not in circles:
             known = f"periodic are {', '.join(circles)}" if circles else "no axis is periodic"
             self.problems.add((*path, "axis"), f"waves travel along a periodic axis: {name} is none; {known}")
-        wave = self._known(item.like, self.fields, "field", (*path, "like"), self.guesses, self.problems)
+        wave = self.formulas.by_name(item.like, self.fields, "field", (*path, "like"), self.guesses)
         taken = {*self.fields, *self.axes, *self.names, *map(canonical_name, self.entry.observables)}
         if canonical_name(item.velocity) in taken:
             self.problems.add((*path, "velocity"), f"{item.velocity} is declared already; choose another name")
@@ -256,27 +256,10 @@ class _Builder:
     def _start(self, name: str, data: Record, path: Path, problems: Problems | None = None) -> Start:
         values = dict(data)
         overrides = values.pop("parameters", None) or {}
-        return Start(
-            name,
-            self._known(values, self.fields, "field", path, self.guesses, problems or self.problems),
-            self._known(overrides, self.names, "parameter", (*path, "parameters"), self.constants,
-                        problems or self.problems),
-        )  # fmt: skip
+        given, held = self.formulas.by_name, (*path, "parameters")
+        fields = given(values, self.fields, "field", path, self.guesses, problems)
+        return Start(name, fields, given(overrides, self.names, "parameter", held, self.constants, problems))
 
-    def _known(
-        self, data: Record, names: list[str], what: str, path: Path, scope: Scope, problems: Problems
-    ) -> dict[str, Expression]:
-        found = {}
-        for key, value in data.items():
-            name = canonical_name(key)
-            if name not in names:
-                advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
-                problems.add((*path, key), f"not a {what}: {advice}", key=True)
-            elif isinstance(value, bool | dict | list) or value is None:
-                problems.add((*path, key), f"expected a number or a formula, got {shown(value)}")
-            else:
-                found[name] = self.formulas.read(value, (*path, key), scope)
-        return found
 
     def _expected(self) -> list[dict[str, Any]]:
         """Expectations with their numbers worked out."""

@@ -27,7 +27,7 @@ class Picture(Figure):
 
 
 def picture(width: float, height: float, *, dpi: float = 200.0) -> Picture:
-    """An empty one of this size in inches, with a layout that makes room for what stands beside the axes."""
+    """An empty picture of this size in inches, with a layout that makes room for labels and legends beside the axes."""
     return Picture(figsize=(width, height), dpi=chosen_dpi(dpi), layout="constrained")
 
 

@@ -1,4 +1,4 @@
-"""Equations with parts that are chosen for a stretch of a curve, see `contin.continuation.problem.Frame`."""
+"""Equations with parts that are chosen for a stretch of a curve, see `contin.continuation.sample.Frame`."""
 
 from __future__ import annotations
 

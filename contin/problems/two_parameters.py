@@ -1,4 +1,4 @@
-"""What every curve in two parameters answers alike, whatever the points on it are."""
+"""What all curves in two parameters have in common, whatever the points on them are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""With what results were computed: two runs with the same entries here have the same digits."""
+"""The versions and the machine that results were computed with: where these agree, so do the digits."""
 
 from __future__ import annotations
 

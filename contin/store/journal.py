@@ -29,7 +29,7 @@ from contin.records import Fields, Record
 from contin.store.digest import parts_digest
 from contin.store.json_format import FORMAT_VERSION, branch_document
 from contin.store.lock import Lock, opening
-from contin.store.places import State, beside, discard, foreign, state_of
+from contin.store.places import State, cleared, discard, states_of
 from contin.store.sqlite import APPLICATION_ID, begin, in_words, insert_branch, insert_meta
 
 if TYPE_CHECKING:
@@ -76,9 +76,7 @@ class SqliteJournal:
 
     def _open(self, mark: str, resume: bool, model: Record) -> None:
         """The file of the earlier run if it is resumed, or a new one: where nothing stands, else beside."""
-        states = {place: state_of(place, APPLICATION_ID) for place in (beside(self.path), self.path)}
-        if states[self.path] is State.FOREIGN:
-            raise foreign(self.path)
+        states = states_of(self.path, APPLICATION_ID)
         for place, state in states.items():
             if resume and state is State.DAMAGED:
                 self.notes.append(f"{place.name}: damaged, cannot be read: computed anew")
@@ -86,10 +84,7 @@ class SqliteJournal:
                 self.place = place
                 self._go_on(mark)
                 return
-        discard(beside(self.path))
-        if states[self.path] in (State.FREE, State.UNFINISHED):
-            discard(self.path)
-        self.place = beside(self.path) if self.path.exists() else self.path
+        self.place = cleared(self.path, states[self.path])
         self._begin(mark, model)
 
     def _begin(self, mark: str, model: Record) -> None:

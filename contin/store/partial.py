@@ -55,7 +55,7 @@ class PartialJson:
             self.trouble = f"{error}; the run went on without keeping its finished branches there"
 
     def give_up(self) -> None:
-        """The user wants no result: what stands at its place goes."""
+        """The user wants no result: the unfinished file is removed."""
         with suppress(OSError):
             self.place.unlink(missing_ok=True)
 

@@ -31,7 +31,7 @@ def ending_of(path: Path) -> str:
 
 
 class State(Enum):
-    """What stands at the place of an SQLite file of ours."""
+    """What is found at the path of one of our SQLite files."""
 
     FREE = "free"  # nothing, or a file without content
     FOREIGN = "foreign"
@@ -69,6 +69,25 @@ def state_of(path: Path, application: int) -> State:
             raise InputError(f"{path}: {IN_USE}") from None
         return State.DAMAGED if ours else State.FOREIGN
     return State.UNFINISHED if marked or "chunk" in tables else State.FINISHED
+
+
+def states_of(path: Path, application: int) -> dict[Path, State]:
+    """What stands at `path`, where results go, and beside it, where those of an unfinished run may be (that first).
+
+    InputError where `path` is a file that contin did not write.
+    """
+    states = {place: state_of(place, application) for place in (beside(path), path)}
+    if states[path] is State.FOREIGN:
+        raise foreign(path)
+    return states
+
+
+def cleared(path: Path, state: State) -> Path:
+    """Where a new run writes: `path`, or where a finished result has that, beside it. Unfinished ones are removed."""
+    discard(beside(path))
+    if state in (State.FREE, State.UNFINISHED):
+        discard(path)
+    return beside(path) if path.exists() else path
 
 
 def refuse_foreign(path: Path) -> None:

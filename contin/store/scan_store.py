@@ -26,7 +26,7 @@ from contin.simulate.scan.grid import Outcome, table
 from contin.store.atomic import flush_folder
 from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
 from contin.store.lock import Lock, opening
-from contin.store.places import State, beside, discard, foreign, state_of
+from contin.store.places import State, cleared, discard, states_of
 from contin.store.sqlite import in_words
 
 APPLICATION_ID: Final = 0x636F6E73  # "cons"
@@ -55,9 +55,7 @@ class ScanStore:
             self._open(mark, json.dumps(head), resume)
 
     def _open(self, mark: str, head: str, resume: bool) -> None:
-        states = {place: state_of(place, APPLICATION_ID) for place in (beside(self.path), self.path)}
-        if states[self.path] is State.FOREIGN:
-            raise foreign(self.path)
+        states = states_of(self.path, APPLICATION_ID)
         earlier = next((p for p, state in states.items() if state in (State.UNFINISHED, State.FINISHED)), None)
         damaged = [place.name for place, state in states.items() if state is State.DAMAGED]
         if resume and earlier is None and not damaged:
@@ -69,10 +67,7 @@ class ScanStore:
             return
         if resume:
             self.notes.append(f"{', '.join(damaged)}: damaged, cannot be read: computed anew")
-        discard(beside(self.path))
-        if states[self.path] in (State.FREE, State.UNFINISHED):
-            discard(self.path)
-        self.place = beside(self.path) if self.path.exists() else self.path
+        self.place = cleared(self.path, states[self.path])
         self._begin(mark, head)
 
     def _begin(self, mark: str, head: str) -> None:

@@ -159,7 +159,7 @@ def load(path: Path) -> Fields:
 
 
 def _document(connection: sqlite3.Connection, path: Path) -> tuple[Fields, list[str]]:
-    """The document of what is whole, and what is to be said of the rest."""
+    """The document of the branches that are whole, and a note on those that are not."""
     stored = _stored(connection)
     left = set(stored or ())
     notes = [] if stored is not None else ["has no checksums: written by an earlier contin; damage cannot be told"]

@@ -1,4 +1,4 @@
-"""The family that orbits of twice its period have come together with, at its period doubling."""
+"""From doubled orbits back: the family of half the period, at the period doubling where the doubled orbits end."""
 
 from __future__ import annotations
 

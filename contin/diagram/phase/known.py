@@ -1,4 +1,4 @@
-"""When is a curve of special points one that is known already? Up to declared symmetries and angle periods."""
+"""Whether a curve of special points is known already, up to declared symmetries and periods of angles."""
 
 from __future__ import annotations
 

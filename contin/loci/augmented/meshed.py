@@ -99,7 +99,7 @@ class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
         return np.append(z[: -self.behind], z[-1])
 
     def joined(self, inner: Array, rest: Array) -> Array:
-        """z from that and what stands behind the mesh in z."""
+        """z from `inner` and the unknowns behind the mesh (`rest`)."""
         return np.append(inner[:-1], rest)
 
     def rest(self, z: Array) -> Array:

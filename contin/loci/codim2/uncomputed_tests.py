@@ -1,4 +1,4 @@
-"""Test functions of a curve that could not be computed at some of its points: their zeros there are not told."""
+"""Test functions that could not be computed at some points of a curve: zeros there are not found, which a note says."""
 
 from __future__ import annotations
 

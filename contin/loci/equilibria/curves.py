@@ -1,4 +1,4 @@
-"""The equations of a curve of special points: extended ones for small flows, minimally augmented ones for the rest."""
+"""The equations of a curve of special points: extended ones for small flows, else minimally augmented ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What curves of special periodic orbits answer alike, whether the orbits are found by collocation or by shooting."""
+"""What curves of special periodic orbits have in common, by collocation and by shooting."""
 
 from __future__ import annotations
 

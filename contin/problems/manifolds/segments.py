@@ -37,7 +37,7 @@ LINK: Final = 1e-5  # ... of the length
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A piece of an orbit: arclengths s, times t (negative on a stable manifold) and states u, (K,), (K,), (K, n).
+    """Part of an orbit: arclengths s, times t (negative on a stable manifold) and states u, (K,), (K,), (K, n).
 
     angle : where it begins on the circle; for a curve 0 or pi. whole : False where it ends before its length.
     """

@@ -25,7 +25,7 @@ from contin.problems.orbits.march import in_kernel
 from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.measured.columns import names_of, norms, orbit_columns, periods, with_observables
 from contin.problems.orbits.measured.measures import standard_columns
-from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.adaption import unresolved
 from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.normal_forms.eigenfunctions import eigenfunctions
@@ -166,14 +166,8 @@ class OrbitProblem(OrbitEquations):
         if text:
             return text
         profile = self.profile(z)
-        error, _ = estimate(profile, self.state_sizes(profile))
-        if error > 100.0 * self.tolerance:
-            return (
-                f"The mesh of {profile.intervals} intervals does not resolve the orbit (estimated error {error:.1e}): "
-                "it is very stiff here (a canard?). Try settings.intervals, or start from a simulation beyond this "
-                "point."
-            )
-        return (
+        why = "it is very stiff here (a canard?). Try settings.intervals, or start from a simulation beyond this point"
+        return unresolved(profile, self.state_sizes(profile), self.tolerance, "orbit", f"{why}.") or (
             "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "
             "smooth here."
         )

@@ -1,4 +1,4 @@
-"""What families of periodic orbits answer alike, whether the orbits are computed by collocation or by shooting."""
+"""What families of periodic orbits have in common, by collocation and by shooting."""
 
 from __future__ import annotations
 

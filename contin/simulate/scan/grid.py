@@ -49,7 +49,7 @@ class ScanSpec:
     names: tuple[str, ...] = ()
 
     def __getstate__(self) -> Fields:
-        """What was given; the rest is made again on the other side."""
+        """The fields that were given; everything else is made from them again in the other process."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def __len__(self) -> int:

@@ -39,7 +39,7 @@ class SlowState:
 
 @dataclass(frozen=True)
 class Response:
-    """What stands for sign(V) of a velocity with dry friction, V' = sum p_j x_j + q_j y_j - level sign(V).
+    """The symbol that replaces sign(V) of a velocity with dry friction, V' = sum p_j x_j + q_j y_j - level sign(V).
 
     `pair` are its symbols, like an oscillator's; `drive` is {j: (p_j, q_j)}.
     """

@@ -1,4 +1,4 @@
-"""What a user's function is asked before it is trusted: double precision, and a Jacobian that is its derivative."""
+"""Checks of a user's function before it is used: double precision, and a Jacobian that is its derivative."""
 
 from __future__ import annotations
 

@@ -23,6 +23,7 @@ SMALLEST, LARGEST = 10, 400  # number of intervals
 FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
 WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leaves at most
 MARGIN = 0.4  # the mesh is laid out for this part of the tolerance
+COARSE = 100.0  # times the tolerance: errors that no adaption has brought down
 VARYING = 1e-3  # smallest modulus of a state of one sign, relative to its largest, below which it counts while small
 RELATIVE = 1e-2  # ... and how much an error relative to its own size counts
 CLOSED = 0.1  # change of such a state over a period, relative to its size, that a guess of a closed orbit may have
@@ -81,6 +82,14 @@ def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
     jumps = 2.0 * np.abs(top - np.roll(top, 1, axis=0)) / (h + np.roll(h, 1))[:, None]
     local = np.maximum(jumps, np.roll(jumps, -1, axis=0)) / np.abs(u).max(axis=1)
     return np.asarray(local.max(axis=1))
+
+
+def unresolved(profile: Profile, sizes: Array, tolerance: float, what: str, why: str, closed: bool = True) -> str:
+    """That the mesh is much too coarse for `what`, in words, with `why` and what to try; empty where it is not."""
+    error, _ = estimate(profile, sizes, closed)
+    if not error > COARSE * tolerance:
+        return ""
+    return f"The mesh of {profile.intervals} intervals does not resolve the {what} (estimated error {error:.1e}): {why}"
 
 
 def choose_mesh(
