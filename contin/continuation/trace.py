@@ -196,6 +196,7 @@ def _assemble(
     told = in_two_parameters(problem) and bool(properties)  # critical eigenvalues that stay: their signs are rounding
     labels = [(row, point, float(raw_tangents[row, -1] / scale[-1])) for row, point, scale in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
+    exact &= problem.kind != "connection"  # of the saddle at its end: folds of connecting orbits do not change it
     everywhere = [] if told else unexplained(unstable, labels, born, (), exact)  # with those where equations jump
     changes = everywhere if told or not rows.jumps else unexplained(unstable, labels, born, rows.jumps, exact)
     changes = [row for row in changes if not passed_again(row, unstable, columns, labels)]

@@ -73,6 +73,7 @@ def test_two_pulses_from_samples_end_at_a_fold():
         settings = {"steps": 40, "step": 0.1, "max_step": 0.5}
         branch = contin.continuation(start, "P", (0.9, 1.99), direction="up", settings=settings)
         folds.append((branch["LP1"].values["P"], branch["LP1"].error))
+        assert branch.unexplained == 0  # the saddle's unstable directions are the same before and behind the fold
     assert abs(folds[0][0] - folds[1][0]) <= folds[0][1] + folds[1][1] + 1e-8
 
 
