@@ -10,6 +10,7 @@ from contin.errors import InputError
 from contin.model.yaml_reader import read_text
 from contin.runs.load import read_run
 from contin.runs.plan import make_plan
+from tests.characters import texts
 
 GOOD = """\
 contin: 1
@@ -28,8 +29,8 @@ PIECES = st.sampled_from(
      "-", "9" * 400]
 )  # fmt: skip
 VALUES = st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("rest"), st.just("B")),
-    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(st.text(max_size=4), inner, max_size=3)),
+    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), texts(max_size=8), st.just("rest"), st.just("B")),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(texts(max_size=4), inner, max_size=3)),
     max_leaves=6,
 )
 KEYS = ("name", "start", "from", "as", "parameter", "range", "direction", "values", "settings", "outputs", "transform")

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from contin.errors import ExpressionError, InputError
 from contin.model.parser import parse
 from contin.model.yaml_loader import load_model_text, model_from_mapping
+from tests.characters import texts
 from tests.model.test_messages import GOOD
 from tests.model.test_model import EVERY_KEY
 
@@ -33,7 +34,7 @@ EVENTS = frozenset({"exec", "compile", "import", "os.system", "subprocess.Popen"
 @settings(max_examples=150, deadline=2000)
 @given(
     st.one_of(
-        st.text(max_size=60), st.lists(WORDS, max_size=25).map(" ".join), st.lists(WORDS, max_size=25).map("".join)
+        texts(max_size=60), st.lists(WORDS, max_size=25).map(" ".join), st.lists(WORDS, max_size=25).map("".join)
     )
 )
 @example("if" * 30)
@@ -64,9 +65,9 @@ def test_mutated_model_files_load_or_are_refused_in_words(data):
 
 VALUES = st.recursive(
     st.one_of(
-        st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.sampled_from(["x", "-y", "1/0"])
+        st.none(), st.booleans(), st.integers(), st.floats(), texts(max_size=8), st.sampled_from(["x", "-y", "1/0"])
     ),
-    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(st.text(max_size=4), inner, max_size=3)),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(texts(max_size=4), inner, max_size=3)),
     max_leaves=6,
 )
 SECTIONS = st.sampled_from(

@@ -14,6 +14,7 @@ from contin.continuation.branch import End
 from contin.errors import FormatVersionError, InputError
 from contin.store import json_format
 from contin.store.result_schema import RESULT_SCHEMA
+from tests.characters import texts
 from tests.plot.sample import bautin, branch, hysteresis, pitchfork, special
 
 MODEL = {"name": "m", "states": ["x"], "parameters": {"p": 1.0}}
@@ -28,11 +29,11 @@ def document(branches, **more):
 
 @given(
     columns=st.integers(1, 6).flatmap(
-        lambda rows: st.dictionaries(st.text(min_size=1), arrays(np.float64, rows, elements=any_float), min_size=1)
+        lambda rows: st.dictionaries(texts(min_size=1), arrays(np.float64, rows, elements=any_float), min_size=1)
     ),
     eigenvalue=st.complex_numbers(),
-    coefficient=st.one_of(any_float, st.complex_numbers(), st.text(), st.booleans(), st.integers(-9, 9)),
-    name=st.text(min_size=1),
+    coefficient=st.one_of(any_float, st.complex_numbers(), texts(), st.booleans(), st.integers(-9, 9)),
+    name=texts(min_size=1),
     kind=st.sampled_from(["equilibrium", "fixed-point", "orbit", "locus"]),
 )
 def test_every_document_follows_the_schema_and_survives_reading_back(columns, eigenvalue, coefficient, name, kind):
