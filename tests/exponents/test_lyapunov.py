@@ -53,9 +53,7 @@ def test_published_values_lie_within_the_stated_errors(model, published, dimensi
 
 
 def test_the_logistic_map_doubles_at_four_and_a_superstable_cycle_forgets_at_once():
-    model = contin.Model(
-        "logistic", kind="map", states={"x": 0.1}, parameters={"a": 4}, equations={"x": "a*x*(1 - x)"}
-    )
+    model = contin.Model("logistic", kind="map", states={"x": 0.1}, parameters={"a": 4}, equations={"x": "a*x*(1 - x)"})
     found = contin.lyapunov(model, time=10_000)
     assert abs(found.exponents[0] - np.log(2.0)) < 1.5 * found.errors[0] < 0.01
     still = contin.lyapunov(model, {"x": 0.5}, {"a": 2}, time=100)
@@ -115,7 +113,7 @@ def test_the_unit_of_time_divides_them_and_the_units_of_states_do_not_matter():
     np.testing.assert_allclose(contin.lyapunov(small, time=100.0).exponents, -0.3, atol=2e-3)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.3])
+@pytest.mark.parametrize("tilt", [pytest.param(0.0, marks=pytest.mark.long), 0.3])
 def test_jumps_carry_disturbances_by_their_saltation_matrix(tilt):
     """A clock s that rings at 1 and iterates the logistic map: ln 2 and 0, also where the bell's time depends on x."""
     after = "4*x*(1 - x)"
@@ -144,9 +142,7 @@ def test_a_forced_impact_oscillator_loses_what_its_impacts_and_damping_take():
 
 
 def test_along_a_parameter_each_begins_where_the_last_one_ended():
-    model = contin.Model(
-        "logistic", kind="map", states={"x": 0.1}, parameters={"a": 3}, equations={"x": "a*x*(1 - x)"}
-    )
+    model = contin.Model("logistic", kind="map", states={"x": 0.1}, parameters={"a": 3}, equations={"x": "a*x*(1 - x)"})
     found = contin.lyapunov(model, parameter="a", values=np.array([2.5, 3.2, 3.9]), time=2000)
     assert found.exponents.shape == (3, 1)
     expected = [np.log(0.5), 0.5 * np.log(abs(4 + 2 * 3.2 - 3.2**2))]  # multipliers 2 - a, 4 + 2 a - a^2

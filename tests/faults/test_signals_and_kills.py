@@ -58,7 +58,9 @@ def test_a_signal_at_a_random_moment_keeps_what_was_computed(tmp_path, number, t
         assert not list(tmp_path.glob(".*"))
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+@pytest.mark.parametrize(
+    "number", [signal.SIGTERM, *(pytest.param(s, marks=pytest.mark.long) for s in (signal.SIGHUP, signal.SIGINT))]
+)  # told apart above
 def test_a_signal_keeps_the_runs_of_a_scan_and_it_goes_on(tmp_path, number):
     outputs = {"save": "s.scan", "csv": "s.csv", "json": "s.json"}
     run_file(tmp_path, DAMPED, scan=SCAN, outputs=outputs)

@@ -43,7 +43,7 @@ def loop(sense: int):
     ("sense", "second", "bounds", "fixed", "expected"),
     [
         (1, "c", (0.2, 2.0), {}, {"NDS": 0.25, "NSF": 0.5, "TLS": 1.5}),
-        (-1, "c", (0.2, 2.0), {}, {"NDU": 0.25, "NSF": 0.5, "TLU": 1.5}),
+        pytest.param(-1, "c", (0.2, 2.0), {}, {"NDU": 0.25, "NSF": 0.5, "TLU": 1.5}, marks=pytest.mark.long),
         (1, "q", (-0.3, 0.05), {"c": 0.3, "q": -0.2}, {"DRS": 0.0}),
         (-1, "q", (-0.3, 0.05), {"c": 0.3, "q": -0.2}, {"DRU": 0.0}),
     ],

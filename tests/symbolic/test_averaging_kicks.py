@@ -200,8 +200,7 @@ def test_clocks_on_a_beam_swing_as_averaged_in_phase_and_in_anti_phase():
         assert np.sign(run.columns["x1"][-150:] @ run.columns["x2"][-150:]) == sign
 
 
-
-@pytest.mark.parametrize("mass", [0.15, 0.4])
+@pytest.mark.parametrize("mass", [0.15, pytest.param(0.4, marks=pytest.mark.long)])
 def test_clocks_on_a_free_platform_move_as_their_average(mass):
     """In opposite phase: stable beyond mass = A^2/8 - 2 c J/(pi A^2) = .2658."""
     clocks, eps, r = contin.load("oscillators/clocks-and-metronomes"), 0.005, 1.5619

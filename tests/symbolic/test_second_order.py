@@ -108,7 +108,7 @@ def test_piecewise_forces_predict_the_frequency_one_order_better():
     assert errors[2][1] < 0.1 * errors[1][1]
 
 
-@pytest.mark.parametrize("form", ["cartesian", "stokes"])
+@pytest.mark.parametrize("form", ["cartesian", pytest.param("stokes", marks=pytest.mark.long)])
 def test_second_order_forms_agree_with_the_polar_one(form):
     curves = []
     for name in ("polar", form):

@@ -99,7 +99,7 @@ def test_folds_of_doubled_orbits_end_at_the_degenerate_period_doubling():
     assert np.abs(folds.columns["q"]).min() < 0.1
 
 
-@METHODS
+@ONE_BY_DEFAULT
 def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes(method):
     """v' = (p + i t + q |v|^2 - |v|^4) v: NS at p = 0 with Re d = q."""
     x, y = amplitude("c", "d", "p + q*(c^2 + d^2) - (c^2 + d^2)^2", "0.3")
@@ -108,7 +108,7 @@ def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes(me
     assert_only(tori, {"CH": (0.0,)}, "q")
 
 
-@METHODS
+@ONE_BY_DEFAULT
 def test_resonances_of_a_torus_bifurcation_lie_at_rational_turns(method):
     x, y = amplitude("c", "d", "p - (c^2 + d^2)", "(q + 0.05*(c^2 + d^2))")
     tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (0.2, 0.4)}, "NS", method)
@@ -152,7 +152,7 @@ def test_two_curves_of_tori_cross(method):
     assert_only(others, {"NSNS": (0.0,)}, "q")
 
 
-@METHODS
+@ONE_BY_DEFAULT
 def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form(method):
     """s' = z, z' = p s + q z - s^3: multipliers -exp(2 pi l), l^2 - q l - p = 0; PD at p = 0, both at q = 0."""
     equations = twisted("0", "q", along_by_z="1", across_by_s=f"p - {SQUARE}")

@@ -108,7 +108,11 @@ def as_large(plane):
 
 @pytest.mark.parametrize(
     "plane",
-    [BOGDANOV_TAKENS, DOUBLE_HOPF, pytest.param(zero_hopf(-1, 0.8), marks=pytest.mark.long)],
+    [
+        pytest.param(BOGDANOV_TAKENS, marks=pytest.mark.long),
+        DOUBLE_HOPF,
+        pytest.param(zero_hopf(-1, 0.8), marks=pytest.mark.long),
+    ],
     ids=["BT", "HH", "ZH"],
 )
 def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):

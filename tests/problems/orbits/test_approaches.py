@@ -74,7 +74,12 @@ def fine(birth):
 
 @pytest.mark.parametrize(
     "settings",
-    [{"max_step": 0.1}, {"max_step": 0.15}, {"max_step": 0.17}, {"max_step": 0.25}],
+    [
+        pytest.param({"max_step": 0.1}, marks=pytest.mark.long),
+        {"max_step": 0.15},
+        {"max_step": 0.17},
+        {"max_step": 0.25},
+    ],
     ids=str,
 )
 def test_an_approach_is_told_whatever_the_steps(birth, fine, settings):

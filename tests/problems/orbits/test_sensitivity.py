@@ -33,7 +33,7 @@ class Perturbed(Hidden):
 
 
 CORES = [core for core in SIMPLE if "sub" not in core.name]
-BENT = ("LPC, period changing", "PD, supercritical", "NS, supercritical")  # each costs three of the plain ones
+BENT = ("LPC, period changing", "NS, supercritical")  # each costs three of the plain ones
 CASES = [
     pytest.param(core, n, way, id=f"{n}-{way}-{core.name}", marks=[pytest.mark.long] if long else [])
     for n, way in ((4, "plain"), (5, "bent"))

@@ -30,7 +30,7 @@ def uncoupled(sparse: bool, stable: int, turned: int | None = None):
     return contin.FunctionProblem(residual, np.zeros(n), {"lam": 0.0}, jacobian)
 
 
-@pytest.mark.parametrize(("stable", "turned"), [(5, None), (40, None), (20, 3)])
+@pytest.mark.parametrize(("stable", "turned"), [pytest.param(5, None, marks=pytest.mark.long), (40, None), (20, 3)])
 def test_every_multiplicity_is_seen_at_its_place(stable, turned):
     line = api.continuation(uncoupled(True, stable, turned), "lam", (0.0, 1.7))
     assert [point.type for point in line.points] == ["BP"] * len(MULTIPLICITIES)
