@@ -90,12 +90,7 @@ def _covered(orbit: PeriodicOrbit, loops: int, periods: Array) -> int:
     """How often an orbit of several loops, turns or forcing periods repeats itself within them."""
     times, u, winding = orbit.profile.times, orbit.profile.u, orbit.winding
     extent = np.maximum(np.ptp(u, axis=0), AT_REST * max(float(np.abs(u).max()), 1e-300))  # more than rounding
-    forced = orbit.system.is_forced
-    turns = np.round(winding / np.where(periods > 0.0, periods, np.inf)).astype(int)
-    if forced:
-        whole, limit = 1 if winding.any() else orbit.multiple, REPEATED
-    else:
-        whole, limit = int(np.gcd.reduce(turns)) if winding.any() else loops, REPEATED_EXACTLY
+    whole, limit = most_repeats(orbit, loops, periods)
     for count in range(whole, 1, -1):
         if whole % count:
             continue
@@ -105,6 +100,15 @@ def _covered(orbit: PeriodicOrbit, loops: int, periods: Array) -> int:
         if float(np.max(np.abs(shifted - u) / extent)) < limit:
             return count
     return 1
+
+
+def most_repeats(orbit: Any, loops: int, periods: Array) -> tuple[int, float]:
+    """How often an orbit may repeat itself at most (divisors of this may, too), and how nearly it then does."""
+    winding = orbit.winding
+    if orbit.system.is_forced:
+        return 1 if winding.any() else orbit.multiple, REPEATED
+    turns = np.round(winding / np.where(periods > 0.0, periods, np.inf)).astype(int)
+    return int(np.gcd.reduce(turns)) if winding.any() else loops, REPEATED_EXACTLY
 
 
 def refuse_chance(near: Return, orbit: Any) -> None:

@@ -17,7 +17,14 @@ from contin.problems.shooting.number_of_segments import enough, split
 from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.records import Fields
-from contin.search.orbit_by_simulation import BUDGET, LONGEST, find_return, orbit_by_simulation, refuse_chance
+from contin.search.orbit_by_simulation import (
+    BUDGET,
+    LONGEST,
+    find_return,
+    most_repeats,
+    orbit_by_simulation,
+    refuse_chance,
+)
 from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
@@ -78,8 +85,36 @@ def settled_orbit(
         return orbit_by_simulation(system, u, p, periods, longest=longest, budget=budget, **options)
     near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = orbit_from_return(system, near.u, p, periods, near.period, near.multiple, intervals)
+    times = _covered(orbit, near.loops, periods)
+    if times > 1:
+        multiple = max(near.multiple // times, 1)
+        near = replace(near, period=orbit.period / times, multiple=multiple, loops=max(near.loops // times, 1))
+        orbit = orbit_from_return(system, orbit.nodes.u[0], p, periods, near.period, near.multiple, intervals)
     refuse_chance(near, orbit)
     return orbit
+
+
+def _covered(orbit: ShotOrbit, loops: int, periods: Array) -> int:
+    """How often an orbit repeats itself within its period: it is back at its first state after a part of it.
+
+    A transient that has nearly gone closes best after several forcing periods or loops. Run through several times, an
+    orbit has the multipliers' powers, and a doubling passes for a branch point.
+    """
+    from contin.simulate.flight import fly
+
+    whole, limit = most_repeats(orbit, loops, periods)
+    if whole == 1:
+        return 1
+    problem = orbit.problem(orbit.system.parameter_names[0])
+    u = orbit.nodes.u[0]
+    path = problem.profile(orbit.seed(orbit.system.parameter_names[0]).z).u
+    extent = np.maximum(np.ptp(path, axis=0), AT_REST * max(float(np.abs(path).max()), 1e-300))
+    for count in range(whole, 1, -1):
+        if whole % count == 0:
+            back = fly(orbit.system, u, orbit.p, orbit.period / count).finished().end - orbit.winding / count
+            if float(np.max(np.abs(back - u) / extent)) < limit:
+                return count
+    return 1
 
 
 def orbit_from_return(
