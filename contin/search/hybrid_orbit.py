@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 LONGEST_CYCLE: Final = 128  # events
 ENOUGH: Final = 3 * LONGEST_CYCLE
+REPEATED: Final = 1e-6  # ... of a solved cycle and itself some events later, if it repeats
 CLOSE: Final = 1e-4  # a return this close, relative to the orbit's extent, is an orbit up to Newton's polish
 MOVED: Final = 0.05  # by which Newton's method may move it
 PATIENCE: Final = 16.0  # periods in which an event of the cycle comes, or not at all
@@ -176,6 +177,23 @@ def _repeating(landings: list[_Landing], u: Array, angles: Array) -> tuple[list[
     return None
 
 
+def _covered(returning: ReturnSystem, u: Array, p: Array, sizes: Array) -> int:
+    """How often a cycle of several events repeats itself: it is back at its first state after a part of them."""
+    found = returning.passage(u, p)
+    if found is None:
+        return 1
+    arcs, events = len(returning.arcs), [(arc.event, arc.then) for arc in returning.arcs]
+    for count in range(arcs, 1, -1):
+        part, rest = divmod(arcs, count)
+        if rest or events != events[:part] * count:
+            continue
+        parts = [found.flown[k].after for k in range(part - 1, arcs, part)]
+        steps = np.diff(np.array(parts), axis=0) - returning.winding / count
+        if float(np.max(np.abs(steps) / sizes, initial=0.0)) < REPEATED:
+            return count
+    return 1
+
+
 def _closed(
     flow: HybridFlow, p: Array, cycle: list[_Landing], winding: Array, sizes: Array, after: float
 ) -> HybridOrbit:
@@ -198,6 +216,9 @@ def _closed(
             f"the simulation nearly repeats after {len(arcs)} events, but Newton's method does not close the orbit: "
             "integrate longer (transient), or start nearer to the orbit"
         )
+    times = _covered(returning, z[:-1], p, sizes)
+    if times > 1:  # a transient whose sign alternates, say, closes best after two cycles
+        return _closed(flow, p, cycle[: len(arcs) // times + 1], winding / times, sizes, after)
     if len(arcs) >= CHANCE and float(np.nanmax(np.abs(problem.multipliers(z)), initial=0.0)) > UNSTABLE:
         raise NoSolutionError(
             f"no periodic orbit: within t = {after:.4g} the trajectory does not settle on one; its nearest return, "

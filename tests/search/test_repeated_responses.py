@@ -40,3 +40,15 @@ def test_a_cycle_of_a_switched_oscillator_has_one_loop():
     )  # fmt: skip
     orbit = contin.periodic_orbit(model, {"x": 0.4, "v": 0})
     assert orbit.period == pytest.approx(2 * np.pi, rel=0.05)
+
+
+@pytest.mark.parametrize(("r", "events"), [(2.8, 1), (2.95, 1), (2.99, 1), (3.3, 2), (3.44, 2), (3.5, 4)])
+def test_a_flow_with_jumps_of_the_logistic_map_has_the_cycles_of_the_map(r, events):
+    """At each tick y becomes r y (1 - y): the fixed point's multiplier is 2 - r, the 2-cycle's 4 + 2 r - r^2."""
+    model = contin.Model(
+        "clocked", states={"y": 0.3, "c": 0}, parameters={"r": r}, equations={"y": "0*y", "c": 1},
+        events=[{"when": "c - 1", "direction": "up", "set": {"c": 0, "y": "r*y*(1 - y)"}}],
+    )  # fmt: skip
+    orbit = contin.periodic_orbit(model, {"y": 0.3, "c": 0})
+    assert len(orbit.events) == events
+    assert orbit.period == pytest.approx(events, rel=1e-9)
