@@ -47,6 +47,7 @@ LONGEST: Final = 2e4  # time scales
 ITERATES: Final = 4_096
 LONGEST_CYCLE: Final = 32  # of a map
 REPEATS: Final = 1e-6  # relative difference of an iterate and itself a cycle later
+SAME_POINT: Final = 1e-7  # ... of a point of a solved cycle and itself a part of the cycle later, if it repeats
 Solution = Equilibrium | PeriodicOrbit | ShotOrbit
 _FAILURES: Final = (NoSolutionError, NotFiniteError, np.linalg.LinAlgError)
 
@@ -208,14 +209,29 @@ def _of_map(system: Any, u: Array, p: Array, periods: Array, tried: list[str]) -
             if float(np.max(np.abs(states[-1] - states[-1 - length]) / size)) < REPEATS:
                 with suppress(*_FAILURES):  # the next way is tried
                     cycle = converge(system if length == 1 else iterate(system, length), states[-1], p, periods)
-                    words = "iterated to a fixed point" if length == 1 else f"iterated to a cycle of period {length}"
-                    yield FoundStart(cycle, "rest" if length == 1 else "cycle", words)
+                    least = _least_period(system, cycle.u, p, length, size, periods)
+                    if least < length:  # iterates that alternate about it repeat best after two
+                        cycle = converge(system if least == 1 else iterate(system, least), cycle.u, p, periods)
+                    words = "iterated to a fixed point" if least == 1 else f"iterated to a cycle of period {least}"
+                    yield FoundStart(cycle, "rest" if least == 1 else "cycle", words)
         tried.append(f"iterates of the given state repeat after none of 1 to {LONGEST_CYCLE} steps")
     for guess in (states[-1], u):
         found = None if not np.all(np.isfinite(guess)) else _solved(system, guess, p, periods, None)
         if found is not None:
             yield FoundStart(found, "newton", f"Newton's method from the trajectory; {'; '.join(tried)}")
     tried.append("Newton's method from there does not converge")
+
+
+def _least_period(system: Any, u: Array, p: Array, length: int, size: Array, periods: Array) -> int:
+    """After how many steps a point of a cycle is back: a divisor of `length`."""
+    turn = np.where(periods > 0.0, periods, np.inf)
+    at = u
+    for k in range(1, length):
+        at = system.value(at, p)
+        apart = at - u - np.where(periods > 0.0, periods * np.round((at - u) / turn), 0.0)
+        if length % k == 0 and float(np.max(np.abs(apart) / size)) < SAME_POINT:
+            return k
+    return length
 
 
 def _solved(system: Any, u: Array, p: Array, periods: Array, near: float | None) -> Equilibrium | None:
