@@ -23,7 +23,7 @@ from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.sparse.reduced_equation import Reduced
-from contin.problems.sparse.special_points import secant
+from contin.problems.sparse.zero_on_curve import secant
 from contin.records import Fields
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from contin.errors import InputError
 from contin.model import schema
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate, evaluate_all
-from contin.model.expression import Expression, depends_on, is_condition, postorder
+from contin.model.expression import Expression, depends_on, postorder
 from contin.model.functionals import FunctionalReader
 from contin.model.inline import MANY, Formulas
 from contin.model.kinds import JUMPING
@@ -28,21 +28,20 @@ from contin.model.parts import (
     Oscillator,
     Parameter,
     Rotator,
-    Start,
     State,
     Symmetry,
     Total,
 )
 from contin.model.rotation import check_rotation
-from contin.model.scope import Scope
 from contin.model.shape import check_version, plain, validate
-from contin.model.source import CallSource, Path, Problems, Source
+from contin.model.source import Path, Problems, Source
+from contin.model.starts import StartReader
 from contin.model.symmetry import check_symmetries
 from contin.model.values import parameter_values
 from contin.records import Record
 
 if TYPE_CHECKING:
-    from contin.model.model_parts import ModelParts
+    pass
 
 
 def parts_from_mapping(
@@ -77,52 +76,12 @@ def without_collection(wanted: bool) -> Iterator[None]:
             gc.enable()
 
 
-def start_from_mapping(model: ModelParts, mapping: Record) -> Start:
-    """A start written as a mapping of states, and `parameters`, to values."""
-    problems = Problems(CallSource(f"start of model {model.name}"))
-    data = plain(mapping)
-    for name, value in list(data.items()):
-        if (name != "parameters" and isinstance(value, (bool, dict, list))) or value is None:
-            problems.add((name,), f"expected a number or a formula, got {schema.shown(value)}")
-    if not isinstance(data.get("parameters", {}), dict):
-        problems.add(("parameters",), "expected a mapping {name: value}")
-    problems.raise_if_any()
-    formulas = Formulas(problems, [*model.state_names, *model.parameter_names], {})
-    formulas.functions = dict(model.functions)
-    formulas.definitions = dict(model.definitions)
-    formulas.conditions = {n for n, e in model.definitions.items() if is_condition(e)}
-    time = None if model.interval is None else model.interval.name
-    reader = _StartReader(formulas, list(model.starting_names), list(model.parameter_names), problems, time)
-    start = reader.read("", data, ())
-    problems.raise_if_any()
-    return start
-
-
 def _time_name(entry: schema.ModelEntry) -> str | None:
     """What equations call the time of a flow, or the independent variable of a boundary-value problem."""
     if entry.kind == "bvp":
         return TIME if entry.time is None else canonical_name(entry.time.name)
     return TIME if entry.kind == "flow" else None
 
-
-class _StartReader:
-    """Reads starts: the states' values may use the parameters, and `time` where they are functions of it."""
-
-    def __init__(
-        self, formulas: Formulas, states: list[str], parameters: list[str], problems: Problems, time: str | None = None
-    ) -> None:
-        self.formulas, self.states, self.parameters, self.problems = formulas, states, parameters, problems
-        hidden = {s: f"{s} is a state; values here are formulas in the parameters" for s in states}
-        self.constants: Scope = formulas.scope_of(parameters, hidden)
-        self.scope = self.constants if time is None else formulas.scope_of([*parameters, time], hidden)
-
-    def read(self, name: str, data: Record, path: Path) -> Start:
-        values = dict(data)
-        overrides = values.pop("parameters", None) or {}
-        given, held = self.formulas.by_name, (*path, "parameters")
-        states = given(values, self.states, "state", path, self.scope)
-        parameters = given(overrides, self.parameters, "parameter", held, self.constants)
-        return Start(name, states, parameters)
 
 class _Builder:
     def __init__(self, entry: schema.ModelEntry, problems: Problems) -> None:
@@ -143,7 +102,7 @@ class _Builder:
         check_names(entry, self.problems)
         self.formulas.declare(entry.functions, entry.definitions)
         time = self.time if entry.kind == "bvp" else None
-        reader = _StartReader(self.formulas, self.states, self.parameters, self.problems, time)
+        reader = StartReader(self.formulas, self.states, self.parameters, self.problems, time)
         self.constants, self.guesses = reader.constants, reader.scope
         numbers = FunctionalReader(self.formulas, self.states, time or TIME, self.problems)
         parts: dict[str, object] = {

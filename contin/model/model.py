@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin import lazy
 from contin.errors import InputError, NotFiniteError
 from contin.model.advice import closest
-from contin.model.build import parts_from_mapping, start_from_mapping
+from contin.model.build import parts_from_mapping
 from contin.model.evaluate import evaluate_all
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, depends_on, number, symbol
@@ -25,6 +25,7 @@ from contin.model.parts import (
     Symmetry,
 )
 from contin.model.source import CallSource
+from contin.model.starts import start_from_mapping
 from contin.model.totals import with_totals
 from contin.model.values import Override, parameter_values
 from contin.model.writer import model_latex, model_text, summary

@@ -26,7 +26,8 @@ from contin.loci.sparse.singular import Folds
 from contin.loci.tolerances import REAL, RESIDUAL_LIMIT
 from contin.machine import elementary
 from contin.problems.sparse import forms as simple
-from contin.problems.sparse.special_points import At, refine, secant
+from contin.problems.sparse.special_points import refine
+from contin.problems.sparse.zero_on_curve import At, secant
 from contin.records import Fields
 from contin.special.table import signs_of_points
 

@@ -20,7 +20,7 @@ from contin.machine import elementary
 from contin.problems.large_orbits.crossing import Place, with_kind
 from contin.problems.large_orbits.events import SAFETY, excess
 from contin.problems.large_orbits.multipliers import critical_index
-from contin.problems.sparse.special_points import At, point_at
+from contin.problems.sparse.zero_on_curve import At, point_at
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations

@@ -11,7 +11,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import critical_index
 from contin.problems.large_orbits.normal_form import with_normal_form
-from contin.problems.sparse.special_points import At, Zero, point_at, secant
+from contin.problems.sparse.zero_on_curve import At, Zero, point_at, secant
 
 if TYPE_CHECKING:
     from contin.abi import Array

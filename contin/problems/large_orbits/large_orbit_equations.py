@@ -23,7 +23,7 @@ from contin.problems.large_orbits.radau import A, Trajectory
 from contin.problems.large_orbits.sweeps import Closed, Sweeps
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse.jacobian import JacobianSource
-from contin.problems.sparse.special_points import At, point_at
+from contin.problems.sparse.zero_on_curve import At, point_at
 from contin.systems.functions.function_system import FunctionSystem
 
 SMALL: Final = 1e-8  # amplitude (scaled) below which an orbit has no phase of its own

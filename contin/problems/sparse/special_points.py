@@ -1,22 +1,20 @@
 """Special points of large systems: what a change means, location to full precision along the curve, switching.
 
 A fold is a zero of dp/ds, a Hopf point one of the real part of an eigenvalue: smooth functions of the arclength, whose
-zeros the secant method finds to rounding. A branch point, where the curve is not unique, is found on the reduced
-equation. Errors are the scatter of results from points perturbed by 1e-9.
+zeros the secant method finds to rounding (`zero_on_curve`). A branch point, where the curve is not unique, is found on
+the reduced equation. Errors are the scatter of results from points perturbed by 1e-9.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation import march as python_march
-from contin.continuation.outcome import Failure, Outcome, Rejected, Verified, unverified
+from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.copies import kernel, rounding_of
@@ -30,19 +28,12 @@ from contin.normalforms.later import stated
 from contin.problems.sparse import forms
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.reduced_equation import Reduced
+from contin.problems.sparse.zero_on_curve import PERTURBATION, SAMPLES, At, secant
 
 if TYPE_CHECKING:
-    from contin.problems.sparse.equations import CorrectedEquations
     from contin.problems.sparse.large_equations import LargeEquations
 
-SECANT_BUDGET = 10
 EIGENPAIR = Rules(settled=1e-14, stalled=1e-6)
-RESOLVED = 1e-9  # distance (scaled) from which two values of a measure tell its slope
-TRIAL = 1e-4  # first step of the secant method (scaled arclength)
-PERTURBATION = 1e-9
-NOISE = 1e-7  # of a correction that rounding may be, on long connecting orbits
-ACCURACY = 1e-13  # of the last Newton correction (or where rounding stops it)
-SAMPLES = 2
 RESIDUAL_LIMIT = 1e-7
 CRITICAL = 1e-5
 VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
@@ -89,121 +80,6 @@ def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame)
     if np.any((a.eigenvalues.imag > 0) & (np.abs(a.eigenvalues.real) < CRITICAL * np.abs(a.eigenvalues))):
         found.append(_hopf(problem, a, frame))
     return found
-
-
-# along the curve ------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class At:
-    """The point of the curve at a length from a base: z, its unit tangent (scaled), the scaled residual."""
-
-    z: Array
-    tangent: Array
-    residual: float
-
-
-def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
-    """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
-    y = (guess - base.z) / frame.scale
-
-    def corrected(tolerance: float) -> python_march.Corrected | Failure:
-        if isinstance(problem, python_march.Sparing):
-            return python_march.correct(
-                problem, base.z, base.tangent, length, y, frame.scale, tolerance, problem.again,
-                decisions=problem.decisions,
-            )  # fmt: skip
-        return python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, tolerance)
-
-    found = corrected(ACCURACY)
-    if found is Failure.NO_CONTRACTION:  # from a guess that is as good as rounding allows, every correction is noise
-        found = corrected(NOISE)
-    if isinstance(found, Failure):
-        return None
-    last = found.last
-    if found.off > ACCURACY:  # its tangent is off by as much, and what is measured with it
-        there = problem.linearisation(found.z, base.tangent, frame.scale)
-        if there is None:
-            return None
-        last = there
-    t = last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
-    residual = problem.residual(found.z) / frame.scale[:-1]
-    return At(found.z, t / norm(t), float(np.max(np.abs(residual))))
-
-
-Measure = Callable[[At], float]
-
-
-@dataclass(frozen=True, eq=False)
-class Zero:
-    """Where a measure vanishes on the curve: the point, the value left, the estimated error of the parameter, and the
-    slopes of the measure by the arclength (scaled) and by the parameter, infinite where that does not change."""
-
-    at: At
-    left: float
-    error: float
-    slope: float
-    by_parameter: float
-
-
-def secant(problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure) -> Zero | None:
-    """The zero of `measure` near base."""
-
-    def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
-        guess = base.z + s * frame.scale * base.tangent if near is None else near.z
-        at = point_at(problem, base, s, guess, frame)
-        return None if at is None else (at, measure(at))
-
-    first = evaluate(0.0, None)
-    second = evaluate(TRIAL, None)
-    if first is None or second is None:
-        return None
-    (s0, v0), (s1, at, v1) = (0.0, first[1]), (TRIAL, *second)
-    if abs(v0) < abs(v1):
-        s0, v0, s1, at, v1 = TRIAL, v1, 0.0, *first
-    slope, last = 0.0, np.inf
-    for _ in range(SECANT_BUDGET):
-        if v1 == v0:
-            break
-        if slope == 0.0 or abs(s1 - s0) > RESOLVED:  # between nearer points the quotient is one of roundings
-            slope = (v1 - v0) / (s1 - s0)
-        step = -v1 / slope
-        if not np.isfinite(step) or abs(step) > 0.3 or (abs(step) >= 0.5 * last and last < 1e-6):
-            break
-        found = evaluate(s1 + step, at)
-        if found is None:
-            return None
-        s0, v0 = s1, v1
-        s1 += step
-        at, v1 = found
-        last = abs(step)
-        if last < 1e-13:
-            break
-    if not last < 1e-4:
-        return None
-    rate = float(at.tangent[-1]) * float(frame.scale[-1])
-    by_parameter = slope / rate if rate != 0.0 else np.inf
-    return Zero(at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope), slope, by_parameter)
-
-
-def _scatter(
-    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float,
-    slope: float,
-) -> float:  # fmt: skip
-    """Error of the parameter from the same evaluation at perturbed points."""
-    generator = np.random.default_rng(2)
-    worst = 0.0
-    rate = float(at.tangent[-1])
-    for _ in range(SAMPLES):
-        shift = PERTURBATION * generator.uniform(-1.0, 1.0)
-        other = point_at(problem, base, s + shift, at.z, frame)
-        if other is None:
-            return np.inf
-        moved = (other.z[-1] - at.z[-1]) / frame.scale[-1] - shift * 0.5 * (rate + float(other.tangent[-1]))
-        off = (measure(other) - value) / slope - shift if slope != 0.0 else 0.0
-        bend = abs(float(other.tangent[-1]) - rate) / abs(shift)
-        worst = max(worst, abs(moved) + abs(off * rate) + 0.5 * bend * elementary.square(off))
-    return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))
 
 
 # folds and Hopf points ------------------------------------------------------------------------------------------------

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from contin.model.build import start_from_mapping
 from contin.model.expression import ZERO, Expression, add, mul, number, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Start, State
+from contin.model.starts import start_from_mapping
 from contin.records import Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 
