@@ -62,14 +62,6 @@ class StartOfCurve(Protocol):
         """The curve's seed."""
 
 
-@runtime_checkable
-class NamesColumns(Protocol):
-    """A problem whose columns are others than its states and observables."""
-
-    def column_names(self) -> Sequence[str]:
-        """All names that `columns` gives."""
-
-
 def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> tuple[Seed, tuple[float, float]]:
     """What can start a continuation, as a seed within its bounds: those of the (first) parameter are returned too."""
     names = (parameter,) if isinstance(parameter, str) else tuple(parameter)
@@ -142,8 +134,8 @@ def _check_columns(seed: Seed, key: str, columns: Sequence[str]) -> None:
     """InputError for a name that is no column of the branch."""
     if not columns:
         return
-    known = _column_names(seed.problem)
-    if any(column not in known for column in columns):  # as those that a kind of solutions has on top: x.1, x.max
+    known = set(seed.problem.column_names())
+    if any(column not in known for column in columns):
         known |= set(seed.problem.columns(seed.z[None]))
     for column in columns:
         if column not in known:
@@ -152,9 +144,3 @@ def _check_columns(seed: Seed, key: str, columns: Sequence[str]) -> None:
 
 def _advice(column: str, known: set[str]) -> str:
     return closest(column, known) or f"known: {', '.join(sorted(known))}"
-
-
-def _column_names(problem: Any) -> set[str]:
-    if isinstance(problem, NamesColumns):
-        return set(problem.column_names())
-    return {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}

@@ -307,6 +307,10 @@ class Problem(ABC):
         """One of the columns; without the others where these cost more."""
         return self.columns(z)[name]
 
+    def column_names(self) -> Sequence[str]:
+        """Names of columns, as far as they are known without a solution: `columns` may have others on top."""
+        return self.parameters
+
     @abstractmethod
     def columns(self, z: Array) -> dict[str, Array]:
         """Named columns of rows of unknowns: varying parameter(s), states, observables."""
