@@ -86,8 +86,11 @@ def _split(values: Vector, vectors: Vector, certain: bool, rounding: float) -> S
     values, vectors = values.astype(complex), vectors.astype(complex)
     pairs = (values.imag > 0.0) & (values.imag <= np.maximum(ROUNDED * np.abs(values), ROUNDINGS * rounding))
     for k in np.flatnonzero(pairs).tolist():
-        other = int(np.argmin(np.abs(values - np.conj(values[k]))))
-        v = vectors[:, k]
+        below = np.flatnonzero(values.imag < 0.0)
+        if not below.size:
+            continue
+        other = int(below[np.argmin(np.abs(values[below] - np.conj(values[k])))])
+        v = vectors[:, k].copy()  # its column is written before its imaginary part is read
         values[k] = values[other] = values[k].real
         vectors[:, k], vectors[:, other] = v.real, v.imag
     return Spectrum(values, vectors, certain)
