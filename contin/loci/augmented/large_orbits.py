@@ -6,8 +6,8 @@ a family: from interval to interval, with the monodromy matrix inside GMRES, and
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.loci.augmented.base import Base
+from contin.loci.augmented.tests_of_large_orbits import measured_at
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.linearised import OrbitLinearisation
 from contin.problems.scales import parameter_width
@@ -36,9 +37,8 @@ class LargeOrbitBase(Base):
 
     problem: LargeOrbitProblem
     second: int
+    graded: bool = True  # False: tests do not tell the coefficient of the normal form
     _latest: Latest = field(default_factory=Latest)
-
-    has_stability = False
 
     @property
     def angle_periods(self) -> Array:
@@ -94,6 +94,22 @@ class LargeOrbitBase(Base):
             self.settle(z)
         problem = self.at(z)
         return problem.bordered(self.inner(z), (self.second, problem.active), rows, scale)
+
+    def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        return measured_at(self.at(z), self.inner(z), type_, self.graded)
+
+    def finer(self, z: Array) -> tuple[LargeOrbitBase, Callable[[Array], Array], Callable[[Array], Array]]:
+        """The same on intervals of half the length; what becomes of orbits (and changes of them) and of metrics."""
+        finer, moved, metric = self.at(z).finer()
+
+        def outer(change: Callable[[Array], Array]) -> Callable[[Array], Array]:
+            def changed(row: Array) -> Array:
+                inner = change(self.inner(row))
+                return np.append(inner[:-1], [row[-2], inner[-1]])
+
+            return changed
+
+        return replace(self, problem=finer, _latest=Latest()), outer(moved), outer(metric)
 
     def columns(self, z: Array) -> dict[str, Array]:
         found: dict[str, list[float]] = {}

@@ -1,7 +1,9 @@
 """Curves in two parameters of folds, period doublings and torus bifurcations of orbits of large systems.
 
-PD, NS : log |mu| = 0 of the multiplier mu that is followed, [M - mu, b; c^H, 0] [v; g] = [0; 1], g(mu) = 0, by
-Newton's method with g' = <w, v>, w the left vector; d mu = <w, dM v>/<w, v>.
+PD : g = 0 of [M + 1, b; c^T, 0] [v; g] = [0; 1], which is smooth where a second multiplier is -1; dg = -<w, dM v>, w
+the left vector.
+NS : log |mu| = 0 of the multiplier mu that is followed, [M - mu, b; c^H, 0] [v; g] = [0; 1], g(mu) = 0, by
+Newton's method with g' = <w, v>; d mu = <w, dM v>/<w, v>.
 LPC : t_p = 0 of [E'; b^T] t = e_last, the tangent of the family in the first parameter; E' dt = -dE' t.
 
 dM v and dE' t along a direction are one way round the orbit, with the change of the linearised equations as its right
@@ -21,12 +23,13 @@ from contin.abi import Array, Vector
 from contin.continuation.branch import Parent
 from contin.continuation.seed import Seed
 from contin.linalg.krylov import gmres
-from contin.linalg.vectors import norm
-from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.linalg.vectors import dot, norm
 from contin.loci.augmented.curve_equations import CurveEquations
 from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.large_orbit_curve import LargeOrbitCurve
 from contin.loci.augmented.large_orbits import LargeOrbitBase
 from contin.machine import elementary
+from contin.problems.large_orbits.cycle import Monodromy
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.large_orbit_equations import Memory
 from contin.problems.large_orbits.multipliers import REAL, critical_index
@@ -40,7 +43,6 @@ Image = Callable[[LargeOrbitProblem, Array], Vector | None]
 STEP: Final = 1e-5  # of differences, relative to sizes of the metric
 SETTLED: Final = 1e-12  # correction of a multiplier
 TURNS: Final = 8
-UNSEEN: Final = "points of codimension two are not looked for on curves of orbits of large systems"
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,21 +84,20 @@ def eigenpair(sweeps: Sweeps, value: complex, b: Vector, c: Vector) -> Eigenpair
 
 @dataclass(eq=False)
 class Followed:
-    """log |mu| of one multiplier near a point, whose vectors are the borders."""
+    """log |mu| of one multiplier of a pair near a point, whose vectors are the borders."""
 
     base: LargeOrbitBase
     scale: Array
     value: complex
     b: Vector
     c: Vector
-    turns: bool  # one of a pair
     _last: tuple[Array, Eigenpair | None] | None = field(default=None)
 
     def _pair(self, z: Array) -> Eigenpair | None:
         if self._last is None or not np.array_equal(self._last[0], z):
             sweeps = self.base.at(z).sweeps(self.base.inner(z))
             found = None if sweeps is None else eigenpair(sweeps, self.value, self.b, self.c)
-            if found is not None and self.turns and abs(np.imag(found.value)) <= REAL * abs(found.value):
+            if found is not None and abs(np.imag(found.value)) <= REAL * abs(found.value):
                 found = None  # the pair has met: what is real has another type
             self._last = z.copy(), found
         return self._last[1]
@@ -118,6 +119,44 @@ class Followed:
         moved = sweeps.along(np.zeros(len(pair.v)), change)[-1, 2]
         rate = np.einsum("i,i->", pair.w, moved) / pair.product
         return np.array([float(np.real(rate / pair.value))])
+
+
+@dataclass(eq=False)
+class Flipped:
+    """g of the multiplier -1 near a point, whose vectors are the borders."""
+
+    base: LargeOrbitBase
+    scale: Array
+    b: Array
+    c: Array
+    _last: tuple[Array, tuple[Array, Array, float] | None] | None = field(default=None)
+
+    def _at(self, z: Array) -> tuple[Array, Array, float] | None:
+        """v, w and g."""
+        if self._last is None or not np.array_equal(self._last[0], z):
+            sweeps = self.base.at(z).sweeps(self.base.inner(z))
+            found = None
+            if sweeps is not None:
+                bordered, n = Monodromy(sweeps, -1.0, self.b[:, None], self.c[:, None]), sweeps.n
+                unit = np.append(np.zeros(n), 1.0)
+                right, left = bordered.solve(unit), bordered.adjoint(unit)
+                found = right[:n], left[:n], float(right[n])
+            self._last = z.copy(), found
+        return self._last[1]
+
+    def __call__(self, z: Array) -> Array:
+        here = self._at(z)
+        return np.array([np.nan if here is None else here[2]])
+
+    def along(self, z: Array, x: Array) -> Array:
+        here, sweeps = self._at(z), self.base.at(z).sweeps(self.base.inner(z))
+        if here is None or sweeps is None:
+            return np.full(1, np.nan)
+        d = sweeps.along(here[0])
+        change = slope_of(self.base, z, x, self.scale, lambda family, at: family.image(at, d))
+        if change is None:
+            return np.full(1, np.nan)
+        return np.array([-dot(here[1], sweeps.along(np.zeros(len(here[0])), change)[-1, 2])])
 
 
 @dataclass(eq=False)
@@ -206,13 +245,16 @@ class Special:
         sweeps = family.sweeps(inner)
         if k is None or sweeps is None:
             return lambda at: np.full(1, np.nan)
-        v = vectors[:, k] if self.type == "NS" else np.real(vectors[:, k])
-        value = complex(values[k]) if self.type == "NS" else float(np.real(values[k]))
-        rough = eigenpair(sweeps, value, v / norm(v), v.conj() / norm(v))
+        if self.type == "PD":
+            right = np.real(vectors[:, [k]])
+            borders = Monodromy.at(sweeps, -1.0, right)
+            return Flipped(self.base, scale, np.real(borders.b[:, 0]), np.real(borders.c[:, 0]))
+        v = vectors[:, k]
+        rough = eigenpair(sweeps, complex(values[k]), v / norm(v), v.conj() / norm(v))
         if rough is None:
             return lambda at: np.full(1, np.nan)
         b, c = rough.w.conj() / norm(rough.w), rough.v.conj() / norm(rough.v)
-        return Followed(self.base, scale, rough.value, b, c, self.type == "NS")
+        return Followed(self.base, scale, rough.value, b, c)
 
 
 def curve_of(problem: LargeOrbitProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent) -> Seed:
@@ -220,5 +262,5 @@ def curve_of(problem: LargeOrbitProblem, z: Array, type_: str, parameters: Seque
     first, second = indices(problem.system, parameters)
     p = problem.full_parameters(z)
     base = LargeOrbitBase(replace(problem, base=p.copy(), active=first, memory=Memory()), second)
-    made = AugmentedCurve(base, (Special(base, type_),), type_, tuple(parameters), words=(UNSEEN,))
+    made = LargeOrbitCurve(base, (Special(base, type_),), type_, tuple(parameters))
     return Seed(made, np.concatenate([z[:-1], [p[second], p[first]]]), parent=parent)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 
 PLACE: Final = 30.0  # times what is left of the equations, and of the multiplier, at the place
+STEADY: Final = 1e-4  # a shear that only matters for signs: as `SHEARLESS` of meshes
 NO_KIND: Final = "BPC: the families that cross there were not told apart; no kind is stated"
 
 
@@ -127,6 +128,16 @@ def _vertical(cycle: LargeCycle) -> tuple[Direction, Vector]:
     along = cycle.sweeps.along(velocity)
     across = states - cycle.mean(along, states) / cycle.mean(along, along) * along
     return Direction(across, -c, 0.0), cycle.equation(1.0).functionals[0]
+
+
+def vertical_term(cycle: LargeCycle) -> float:
+    """b20 / <p, f_p> along a fold, as part of its terms: -1 to 1, its sign that of -p'' along the family."""
+    cycle = replace(cycle, drifts=cycle.shear > STEADY)
+    q, left = _vertical(cycle)
+    unit = cycle.equation(1.0)
+    g = _second(cycle, q, q)
+    by = unit.projection(cycle.slope_along(np.zeros_like(q.states), 1.0), left).real
+    return unit.projection(g, left).real / unit.modulus(g, left) * float(np.sign(by))
 
 
 def _second(cycle: LargeCycle, one: Direction, other: Direction) -> Vector:

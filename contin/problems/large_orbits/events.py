@@ -9,7 +9,7 @@ import numpy as np
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
-from contin.problems.large_orbits.multipliers import critical_index
+from contin.problems.large_orbits.multipliers import critical_index, stay_outside
 from contin.problems.large_orbits.normal_form import with_normal_form
 from contin.problems.sparse.zero_on_curve import At, Zero, point_at, secant
 
@@ -29,7 +29,7 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     seen = fold + pairs + turned
     if moved == 0 and not seen and not one:
         return ()
-    if moved == 0 and pairs and seen == 1 and not one and _stay_outside(a, b):
+    if moved == 0 and pairs and seen == 1 and not one and stay_outside(a.eigenvalues, b.eigenvalues):
         return ()  # two real multipliers have met there, or parted
     if fold and moved <= 1 and seen == 1:
         return ("LPC",)
@@ -38,14 +38,6 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     if pairs and moved == 2 and seen == 1 and not one:
         return ("NS",)
     return ("BPC",) if moved == 1 and not seen else None
-
-
-def _stay_outside(a: Sample, b: Sample) -> bool:
-    """True where every multiplier outside the circle moves by less than its distance from it."""
-    before, after = (
-        np.sort(elementary.log(moduli[moduli > 1.0])) for moduli in map(np.abs, (a.eigenvalues, b.eigenvalues))
-    )
-    return len(before) == len(after) and bool(np.all(np.abs(after - before) < np.minimum(before, after)))
 
 
 def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:

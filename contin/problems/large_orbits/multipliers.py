@@ -16,6 +16,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from contin.abi import Array
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 from contin.problems.large_orbits.sweeps import Sweeps
 
 Multipliers = tuple[NDArray[np.complex128], NDArray[np.complex128]]  # and their vectors
@@ -136,3 +137,10 @@ def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:
         kind = kind & (values.real > 0.0)
     found = np.flatnonzero(kind)
     return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None
+
+
+def stay_outside(a: NDArray[np.complex128], b: NDArray[np.complex128]) -> bool:
+    """True where, from one orbit to another, every multiplier outside the circle moves by less than its distance."""
+    moduli = (np.abs(a), np.abs(b))
+    before, after = (np.sort(elementary.log(sizes[sizes > 1.0])) for sizes in moduli)
+    return len(before) == len(after) and bool(np.all(np.abs(after - before) < np.minimum(before, after)))

@@ -29,8 +29,10 @@ class Zero:
     error: float
 
 
-def zero_of_test(problem: Probing, near: Sample, frame: Frame, index: int) -> Zero | None:
+def zero_of_test(problem: Probing, near: Sample, frame: Frame, index: int, first: float = FIRST) -> Zero | None:
     """The zero of test `index` next to a sample; None where it does not change its sign.
+
+    first : half-width of the first bracket, where points are dear.
 
     Every third step halves the bracket. Cost: some ten points of the curve.
     """
@@ -39,7 +41,7 @@ def zero_of_test(problem: Probing, near: Sample, frame: Frame, index: int) -> Ze
     def at(s: float) -> Sample | None:
         return problem.probe(near, s, near.z + frame.scale * s * near.tangent, frame, settings)
 
-    bracket = _bracket(at, index)
+    bracket = _bracket(at, index, first)
     if bracket is None:
         return None
     (s_a, a), (s_b, b) = bracket
@@ -67,10 +69,9 @@ def zero_of_test(problem: Probing, near: Sample, frame: Frame, index: int) -> Ze
 
 
 def _bracket(
-    at: Callable[[float], Sample | None], index: int
+    at: Callable[[float], Sample | None], index: int, width: float
 ) -> tuple[tuple[float, Sample], tuple[float, Sample]] | None:
     """(arclength, point) on both sides of the change of sign."""
-    width = FIRST
     for _ in range(WIDENINGS):
         a, b = at(-width), at(width)
         if a is not None and b is not None and a.tests[index] * b.tests[index] <= 0.0:

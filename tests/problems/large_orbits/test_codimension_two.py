@@ -1,0 +1,104 @@
+"""Points of codimension two on curves of bifurcations of large orbits, where they were planted."""
+
+import numpy as np
+import pytest
+
+import contin
+from tests.problems.large_orbits.test_normal_forms import GAIN, M, family, function
+
+INTERVALS, MESH = 6, 1e-3  # and the error of as many
+
+
+def folding(z, p):
+    """r' = r (mu + a R + 1.5 R^2 - R^3), R = r^2: folds at a = 3 R^2 - 3 R, with a cusp at R = 1/2; a plane that turns
+    by half an angle, with multipliers -exp(2 pi (-0.6 +- r))."""
+    x, y = z[:2]
+    r2 = x * x + y * y
+    growth = p["mu"] + p["a"] * r2 + 1.5 * r2 * r2 - r2**3
+    circle = [growth * x - y, growth * y + x]
+    if len(z) == 2:
+        return np.array(circle)
+    w1, w2 = z[2:]
+    return np.array([*circle, (x - 0.6) * w1 + (y - 0.5) * w2, (y + 0.5) * w1 - (x + 0.6) * w2])
+
+
+def doubling_and_torus(z, p):
+    """As in `test_normal_forms`, with the torus' frequency, K and the rate of the plane as parameters."""
+    x, y, w1, w2, v1, v2 = z
+    k, e = p["k"], 0.5 + p["e"]
+    mu, r2, w, v = p["mu"], x * x + y * y, w1 * w1 + w2 * w2, v1 * v1 + v2 * v2
+    growth, speed = mu - r2 + M * (w + v), 1.0 + 0.2 * v
+    gain = mu - 0.3 + GAIN * (r2 - mu) - k * v
+    turn = p["omega"] - 0.4 * v
+    return np.array([
+        growth * x - speed * y, growth * y + speed * x,
+        (x - e - k * w) * w1 + (y - 0.5) * w2, (y + 0.5) * w1 - (x + e + k * w) * w2,
+        gain * v1 - turn * v2, gain * v2 + turn * v1,
+    ])  # fmt: skip
+
+
+def found_on(curve, labels):
+    assert [point.type for point in curve.points] == labels
+    for point in curve.points:
+        assert any(
+            "coefficients of its normal form are not computed" in note and point.type in note for note in curve.notes
+        )
+    return curve.points
+
+
+@pytest.mark.parametrize("a", [-0.72, pytest.param(-0.6, marks=pytest.mark.long)])
+def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
+    problem = function(folding, 2 if a < -0.7 else 4, {"mu": -0.5, "a": a})
+    folds = family(problem, (-0.1, 0.3), stop_at=("LPC",), intervals=INTERVALS)
+    span = {"mu": (-0.2, 0.3), "a": (-0.76, a + 0.01)}
+    planted = {"CPC": 0.5} if a < -0.7 else {"LPPD": 0.36, "CPC": 0.5}
+    curve = contin.continuation(folds["LPC1"].locus(), ("mu", "a"), span)
+    for point in found_on(curve, list(planted)):
+        r2 = planted[point.type]
+        assert abs(point.values["a"] - (3 * r2 * r2 - 3 * r2)) < point.error < MESH
+        assert abs(point.values["mu"] - (1.5 * r2 * r2 - 2 * r2**3)) < point.error
+    assert not any("unstable changes" in note for note in curve.notes)
+
+
+@pytest.fixture(scope="module")
+def planted():
+    return family(
+        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34}),
+        (-0.1, 0.32),
+        intervals=INTERVALS,
+    )
+
+
+def test_a_generalised_period_doubling(planted):
+    """c = M/(2 r) - k vanishes at r = 1/2."""
+    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.6, 0.75)})
+    (point,) = found_on(curve, ["GPD"])
+    assert abs(point.values["k"] - M) < point.error < MESH
+
+
+@pytest.mark.long
+def test_a_1_to_3_resonance(planted):
+    curve = contin.continuation(planted["NS1"].locus(), ("mu", "omega"), {"mu": (0.1, 0.5), "omega": (0.32, 0.35)})
+    (point,) = found_on(curve, ["R3"])
+    assert abs(point.values["omega"] - 1.0 / 3.0) < point.error < MESH
+
+
+@pytest.mark.long
+def test_a_torus_next_to_a_doubling(planted):
+    """-exp(2 pi (-0.5 - e + r)) = -1 where mu = 0.3: e = sqrt(0.3) - 0.5."""
+    curve = contin.continuation(planted["PD1"].locus(), ("mu", "e"), {"mu": (0.2, 0.32), "e": (-0.01, 0.06)})
+    (point,) = found_on(curve, ["GPD", "PDNS"])[1:]
+    assert abs(point.values["e"] - (np.sqrt(0.3) - 0.5)) < point.error < MESH
+
+
+@pytest.mark.long
+def test_a_chenciner_point():
+    """Re d = 2 GAIN M - 2 k."""
+    planted = family(
+        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.2, "e": 0.0, "omega": 0.4}),
+        (-0.1, 0.35),
+        intervals=INTERVALS,
+    )
+    curve = contin.continuation(planted["NS1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.15, 0.25)})
+    (point,) = found_on(curve, ["CH"])
+    assert abs(point.values["k"] - GAIN * M) < point.error < MESH
