@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of, with_copies
-from contin.linalg.eigen import FEWEST, Spectrum, followed, leading
+from contin.linalg.beside_zero import beside_zero
+from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of
+from contin.linalg.eigen import FEWEST, Spectrum, followed
+from contin.linalg.inertia import positive_eigenvalues
 from contin.linalg.linear import KrylovLinear, Linear
-from contin.linalg.pencil import OnRange, inverse_of
+from contin.linalg.pencil import OnRange
 from contin.linalg.region_of_pencil import RegionOfPencil
 from contin.machine import elementary
 from contin.problems.one_parameter import InOneParameterProblem
@@ -29,6 +31,7 @@ FEWEST_STABLE = 2  # eigenvalues that are followed; with fewer, the next ones ar
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 MOST_TELLING = 10  # eigenvalues of each kind that are kept of many, ...
 TELLING = 1.5  # ... beside those up to so many times the largest unstable one
+WHOLE = 500  # states up to which all eigenvalues are computed where too many are near the axis for Krylov spaces
 UNBOUNDED = 20  # eigenvalues that are computed where nothing is known of where unstable ones are
 OLD = 0.09  # part of an error that factors of an earlier point leave
 
@@ -127,7 +130,7 @@ class LargeEquations(InOneParameterProblem):
         if linear.matrix is not None and n <= SMALL:
             return every(linear.matrix.toarray(), None if linear.mass is None else linear.mass.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
-        radius = 0.0
+        radius, first, symmetric = 0.0, work.vectors is None, False
         old = None if at_zero else self._old_inverse(linear)
         if old is not None and work.vectors is not None:
             found, work.gain = followed(linear, *old, work.vectors, work.gain)
@@ -136,23 +139,33 @@ class LargeEquations(InOneParameterProblem):
                 return found
         if linear.matrix is not None:
             right, up = self._region(linear)
-            radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
+            symmetric = up <= 1e-9 * right  # later ones come through zero, and grow out of those of the first point
+            radius = float(elementary.hypot(right, up)) if right > 0.0 and (first or not symmetric) else 0.0
         if linear.mass is not None and work.vectors is not None and _is_another_points(linear):
             radius = 0.0  # unstable ones grow out of those that were near the axis at an earlier point
-        inverse = inverse_of(linear)
         fewest = UNBOUNDED if linear.mass is not None and not self._bounded(linear) else FEWEST
-        found = leading(inverse, n, linear.weigh(start), radius, work.reach, fewest)
-        unstable = found.values[found.values.real > 0.0]
-        reach = float(np.abs(unstable).max(initial=0.0)) if found.certain else 0.0
+        nearest = beside_zero(linear, linear.weigh(start), radius, work.reach, fewest)
+        found = nearest.found
+        if linear.matrix is not None and not found.certain:
+            if n <= WHOLE:
+                mass = None if linear.mass is None else linear.mass.toarray()
+                return self._kept(every(linear.matrix.toarray(), mass))
+            seen = float(np.abs(found.values).max(initial=0.0))
+            if seen < radius and not (symmetric and _are_all_positive(linear, found)):
+                work.unseen = min(work.unseen or (seen, radius), (seen, radius))
+        growing = found.values.real + nearest.shift > 0.0
+        reach = float(np.abs(found.values[growing]).max(initial=0.0)) if found.certain else 0.0
         if at_zero and found.values.size:
-            reach = max(reach, 2.0 * float(np.abs(found.values[0])), ROUNDINGS * rounding_of(inverse, n))
-        if isinstance(inverse, OnRange):  # every vector costs solves more
-            found = _telling(found, reach)
-        if reach > 0.0:
-            found = with_copies(inverse, n, found, reach)
-        if isinstance(inverse, OnRange):
-            found = inverse.back(found)
+            small = 2.0 * float(np.abs(found.values).min()) if nearest.shift == 0.0 else 2.0 * nearest.shift
+            reach = max(reach, small, ROUNDINGS * rounding_of(nearest.inverse, n))
+        if isinstance(nearest.inverse, OnRange):  # every vector costs solves more
+            nearest = replace(nearest, found=_telling(found, reach))
+        return self._kept(nearest.with_copies(n, reach).spectrum())
+
+    def _kept(self, found: Spectrum) -> Spectrum:
+        """The same; what the next point begins with is remembered."""
         if found.values.size:
+            work = self.work
             work.vectors = found.vectors[:, _to_follow(found.values)]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
             watched = found.values.real > -0.2 * np.abs(found.values)
@@ -179,6 +192,12 @@ class LargeEquations(InOneParameterProblem):
         return bool(np.isfinite(self.work.of_pencil.of(linear.matrix)[0]))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        if self.work.unseen is not None and self.work.unseen[1] > 0.0:
+            seen, radius = self.work.unseen
+            return (
+                f"stability is that of eigenvalues up to {seen:.3g} from zero, as many as are computed at most; "
+                f"unstable ones farther away, which the matrix allows up to {radius:.3g}, are not counted",
+            )
         linear = self.linear(z[-1]) if self.system.model.mass_matrix is not None and self.n > SMALL else None
         if linear is None or self._bounded(linear):
             return ()
@@ -211,6 +230,12 @@ class LargeEquations(InOneParameterProblem):
         values = judged[1]
         tests, unstable = stability_tests(values)
         return tests, unstable, values
+
+
+def _are_all_positive(linear: Linear, found: Spectrum) -> bool:
+    """Whether the positive ones of a symmetric matrix are all among those found."""
+    count = positive_eigenvalues(linear.matrix) if linear.mass is None else None
+    return count is not None and count <= int(np.sum(found.values.real > 0.0))
 
 
 def _is_another_points(linear: Linear) -> bool:

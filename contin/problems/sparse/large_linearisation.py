@@ -51,6 +51,7 @@ class Workspace:
     of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
     judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
+    unseen: tuple[float, float] | None = None  # modulus up to which eigenvalues were computed at least, and to be
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
 
 

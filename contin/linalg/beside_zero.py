@@ -1,0 +1,61 @@
+"""Eigenvalues nearest to zero, those of an operator that is singular to rounding from beside zero.
+
+A solution with such an operator is a multiple of the null vector and rounding errors of that multiple's size: what
+Arnoldi's method makes of its inverse are the null vector and noise. A shift by a part of the operator's size that lies
+in the middle between one and rounding, on a scale of powers, keeps both small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.linalg.copies import EPSILON, rounding_of, with_copies
+from contin.linalg.eigen import Inverse, Spectrum, leading
+from contin.linalg.linear import Linear
+from contin.linalg.pencil import OnRange, inverse_of
+
+SHIFT: Final = 0.6  # of a null vector's operator: rounding to this power, as a part of its size
+TELLS: Final = 1e-2  # part of the shift below which an eigenvalue's inverse drowns the others'
+
+
+@dataclass(frozen=True, eq=False)
+class Nearest:
+    """Eigenvalues l - shift of A, and what their Krylov spaces were made of."""
+
+    inverse: Inverse
+    found: Spectrum
+    shift: float
+
+    def with_copies(self, n: int, reach: float) -> Nearest:
+        """With all further ones of modulus up to `reach`; 0: as they are."""
+        if not reach > 0.0:
+            return self
+        return replace(self, found=with_copies(self.inverse, n, self.found, reach + self.shift))
+
+    def spectrum(self) -> Spectrum:
+        """Of A itself, nearest to zero first."""
+        found = self.inverse.back(self.found) if isinstance(self.inverse, OnRange) else self.found
+        if self.shift == 0.0:
+            return found
+        values = found.values + self.shift
+        order = np.argsort(np.abs(values), kind="stable")
+        return replace(found, values=values[order], vectors=found.vectors[:, order])
+
+
+def beside_zero(linear: Linear, start: Array, radius: float, known: float, fewest: int) -> Nearest:
+    """As `leading`; where an eigenvalue is zero to rounding, and A is known by entries, with a shift."""
+    n = len(start)
+    inverse = inverse_of(linear)
+    found = leading(inverse, n, start, radius, known, fewest)
+    if linear.matrix is None or not found.values.size:
+        return Nearest(inverse, found, 0.0)
+    shift = rounding_of(inverse, n) * EPSILON ** (SHIFT - 1.0)
+    if float(np.abs(found.values).min()) > TELLS * shift:
+        return Nearest(inverse, found, 0.0)
+    inverse = inverse_of(linear.shifted(shift))
+    found = leading(inverse, n, start, radius + shift, known + shift, fewest)
+    return Nearest(inverse, found, shift)
