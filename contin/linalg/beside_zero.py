@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.linalg.copies import EPSILON, rounding_of, with_copies
 from contin.linalg.eigen import Inverse, Spectrum, leading
-from contin.linalg.linear import Linear
+from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange, inverse_of
 
 SHIFT: Final = 0.6  # of a null vector's operator: rounding to this power, as a part of its size
@@ -47,11 +47,11 @@ class Nearest:
 
 
 def beside_zero(linear: Linear, start: Array, radius: float, known: float, fewest: int) -> Nearest:
-    """As `leading`; where an eigenvalue is zero to rounding, and A is known by entries, with a shift."""
+    """As `leading`; where an eigenvalue is zero to rounding, and A has factors, with a shift and factors for it."""
     n = len(start)
     inverse = inverse_of(linear)
     found = leading(inverse, n, start, radius, known, fewest)
-    if linear.matrix is None or not found.values.size:
+    if not found.values.size or not _has_factors(linear):
         return Nearest(inverse, found, 0.0)
     shift = rounding_of(inverse, n) * EPSILON ** (SHIFT - 1.0)
     if float(np.abs(found.values).min()) > TELLS * shift:
@@ -59,3 +59,7 @@ def beside_zero(linear: Linear, start: Array, radius: float, known: float, fewes
     inverse = inverse_of(linear.shifted(shift))
     found = leading(inverse, n, start, radius + shift, known + shift, fewest)
     return Nearest(inverse, found, shift)
+
+
+def _has_factors(linear: Linear) -> bool:
+    return isinstance(linear, DirectLinear) or (isinstance(linear, KrylovLinear) and linear.precise is not None)
