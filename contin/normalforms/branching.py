@@ -51,6 +51,8 @@ def branch_point(
     """
     r = reduction or reduce(jet, 1)
     q, p = r.right[:, 0], r.left[:, 0]
+    if parameter_error > 0.0:  # as far as that the states move along the branch too
+        state_error = state_lengths(jet, state_error) + parameter_error * np.abs(r.h)
     (b20, b11), (_, a02) = r.T2[0].tolist()
     a01, b30 = float(r.a01[0]), float(r.T3[0, 0, 0, 0])
     errors = _errors(jet, r, state_error, parameter_error)

@@ -89,3 +89,22 @@ def test_every_solution_that_shrinks_to_the_point_is_on_a_branch(seed):
 def test_every_solution_that_shrinks_to_a_degenerate_point_is_on_a_branch_in_many_systems():
     found = [text for seed in range(100, 300) for text in missing(seed)]
     assert [text for text in found if text != "noted"] == []
+
+
+@pytest.mark.parametrize("kind", ["algebraic", "flow"])
+def test_a_shallow_arch_whose_second_mode_only_touches_zero(kind):
+    """Of height h = 4: 16 + (a^2 - h^2) = a^2 is zero at a = 0, P = 10 h, where no branch leaves.
+
+    Where the point lies is known to the root of rounding, and its coefficients no better than that.
+    """
+    arch = contin.Model(
+        "arch", kind=kind, states={"a": 4.0, "b": 0.0}, parameters={"P": 0.0},
+        equations={"a": "-(a - 4) - a*(a^2 - 16 + 4*b^2)/4 - P/10", "b": "-16*b - b*(a^2 - 16 + 4*b^2)"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(arch), "P", (-300.0, 300.0))
+    touching = [point for point in line.points if point.type == "BP"]
+    for point in touching:
+        assert point.normal_form["kind"] == "degenerate"
+        assert abs(point.values["P"] - 40.0) <= point.error
+        assert abs(point.normal_form["b11"]) <= point.normal_form["errors"]["b11"]
+    assert touching or any("touches zero" in note for note in line.notes)

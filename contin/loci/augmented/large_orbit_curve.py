@@ -159,8 +159,9 @@ class LargeOrbitCurve(AugmentedCurve):
         return bool(np.all(np.abs(a.z[-2:] - b.z[-2:]) <= slack))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        untold = self._untold(z[len(z) // 2])
         if self.type != "NS":
-            return self.words
+            return (*self.words, *untold)
         resonances = []
         for values in (eigenvalues[0, 1:], eigenvalues[-1, 1:]):
             critical = values[int(np.argmin(np.abs(np.abs(values) - 1.0)))]
@@ -169,4 +170,11 @@ class LargeOrbitCurve(AugmentedCurve):
         words = [
             f"an end is near a {one} resonance, which curves of NS of large orbits do not pass" for one in resonances
         ]
-        return (*self.words, *words)
+        return (*self.words, *untold, *words)
+
+    def _untold(self, z: Array) -> Sequence[str]:
+        """That the coefficient, whose zero is a point of codimension two, is not known at a row."""
+        name = next(name for name in tests_of_orbits(self.type) if name in GRADED)
+        if np.isfinite(self.base.stability(self.type, z)[0][-1]):
+            return ()
+        return (f"{name} is not looked for: its coefficient is not told from rounding in the middle of the curve",)

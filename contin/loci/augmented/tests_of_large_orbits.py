@@ -78,7 +78,7 @@ def _quadratic(cycle: LargeCycle) -> float:
     """-p'' of the family along its null vector, as part of its terms."""
     try:
         return vertical_term(cycle)
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # NaN is no change of sign; a curve whose middle has it says so
         return float("nan")
 
 
@@ -86,7 +86,7 @@ def _cubic(cycle: LargeCycle, type_: str, angle: float) -> float:
     """c or Re d as part of its terms; NaN where these are rounding (equations that are linear across the cycle)."""
     try:
         found = period_doubling(cycle) if type_ == "PD" else torus(cycle, angle)
-    except (np.linalg.LinAlgError, ZeroDivisionError):
+    except (np.linalg.LinAlgError, ZeroDivisionError):  # as above
         return float("nan")
     smallest = UNDECIDED / (cycle.period * float(cycle.mean(cycle.orbit.U, cycle.orbit.U)))
     return found.value.real / found.size if found.size > smallest else float("nan")
