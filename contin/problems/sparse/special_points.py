@@ -37,7 +37,7 @@ EIGENPAIR = Rules(settled=1e-14, stalled=1e-6)
 RESIDUAL_LIMIT = 1e-7
 CRITICAL = 1e-5
 VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
-SINGULAR = -16.0  # logarithm of about the smallest singular value of a matrix that is singular
+SINGULAR = 1e-11  # about the smallest singular value of a matrix that is singular, as a part of its size
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -272,7 +272,10 @@ def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
         raise InputError(problem.describe_failure(z))
     t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
     size = norm(t)  # is moderate by chance at a branch point, where the equations of t are singular but consistent
-    if np.isfinite(size) and size < 1e8 and here.log_determinant > SINGULAR:
+    linear, d = problem.linear(z), scale[:-1]
+    largest = 1.0 if linear is None else float(np.max(linear.magnitude(d) / d))  # a rate: units of time are the user's
+    is_regular = here.log_determinant == 0.0 or elementary.exp(here.log_determinant) > SINGULAR * largest
+    if np.isfinite(size) and size < 1e8 and is_regular:
         return [t / size]
     try:
         reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)

@@ -16,8 +16,8 @@ from contin import api
 FIRST = 0.513
 
 
-def planted(n, values, slopes, start, p=0.0):
-    """y_k' = L_k(p) y_k - y_k^3 in turned coordinates; values, slopes: p -> the first of L, and of dL/dp."""
+def planted(n, values, slopes, start, p=0.0, rate=1.0):
+    """y_k' = rate (L_k(p) y_k - y_k^3) in turned coordinates; values, slopes: p -> the first of L, and of dL/dp."""
     turn = np.linalg.qr(np.random.default_rng(n).normal(size=(n, n)))[0]
 
     def rates_of(p):
@@ -25,14 +25,16 @@ def planted(n, values, slopes, start, p=0.0):
 
     def function(u, q):
         y = turn.T @ u
-        return turn @ (rates_of(q["p"]) * y - y**3)
+        return rate * turn @ (rates_of(q["p"]) * y - y**3)
 
     def jacobian(u, q):
-        return scipy.sparse.csc_matrix(turn @ np.diag(rates_of(q["p"]) - 3.0 * (turn.T @ u) ** 2) @ turn.T)
+        return rate * scipy.sparse.csc_matrix(turn @ np.diag(rates_of(q["p"]) - 3.0 * (turn.T @ u) ** 2) @ turn.T)
 
     def by_parameter(u, q, name):
         y = turn.T @ u
-        return turn @ np.concatenate([slopes(q["p"]) * y[: len(values(q["p"]))], np.zeros(n - len(values(q["p"])))])
+        return (
+            rate * turn @ np.concatenate([slopes(q["p"]) * y[: len(values(q["p"]))], np.zeros(n - len(values(q["p"])))])
+        )
 
     u = turn @ np.pad(np.array(start, dtype=float), (0, n - len(start)))
     return contin.FunctionProblem(function, u, {"p": p}, jacobian, parameter_jacobian=by_parameter)
@@ -54,12 +56,13 @@ def test_two_crossings_within_a_step_are_both_found(senses, n, gap):
         assert abs(point.values["p"] - place) <= point.error + 1e-15
 
 
+@pytest.mark.parametrize("rate", [1e-12, 1.0, 1e9])
 @pytest.mark.parametrize("begin", [0.1, 0.17, 0.3, 0.5, 0.9])
 @pytest.mark.parametrize("n", [6, 40])
-def test_a_pitchfork_is_found_from_the_branch_that_turns_there(n, begin):
+def test_a_pitchfork_is_found_from_the_branch_that_turns_there(n, begin, rate):
     """From y = sqrt(p - FIRST) through the pitchfork to -sqrt(p - FIRST)."""
     p = FIRST + begin
-    problem = planted(n, lambda p: np.array([p - FIRST]), lambda p: np.array([1.0]), [np.sqrt(begin)], p)
+    problem = planted(n, lambda p: np.array([p - FIRST]), lambda p: np.array([1.0]), [np.sqrt(begin)], p, rate)
     side = api.continuation(api.equilibrium(problem), "p", (0.0, 1.6), direction="down")
     (point,) = side.points
     assert (point.type, point.normal_form["kind"]) == ("BP", "pitchfork")
