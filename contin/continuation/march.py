@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.extrapolation import REACH, cubic
 from contin.continuation.outcome import Failure
 from contin.continuation.problem import InTwoParameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
@@ -40,7 +41,8 @@ class Decisions:
     that is looked at for dips.  signed : tests that change sign or vanish are not compared.
     close : a matrix serves again for points this near, ...  patience : ... for so many corrections that are left at the
     rate of the last two.  old : the last step's serves for a first correction below this part of the step.
-    off : tangents and tests want a matrix from no farther than that.
+    off : tangents and tests want a matrix from no farther than that.  cubic : steps are predicted by the cubic through
+    two points and their tangents, where corrections are dear; else by the last tangent and its change.
     """
 
     wanted: float = 0.02
@@ -53,6 +55,7 @@ class Decisions:
     patience: float = np.inf
     old: float = np.inf
     off: float = np.inf
+    cubic: bool = False
 
 
 EQUILIBRIA = Decisions()
@@ -89,8 +92,8 @@ class Judged(Protocol):
 class Correcting(Protocol):
     """A linearisation that solves for corrections as precisely as Newton's method can use."""
 
-    def correction(self, right: Array) -> Array:
-        """See `Linearisation.solve`."""
+    def correction(self, right: Array, tolerance: float) -> Array:
+        """See `Linearisation.solve`; the last correction is to be shorter than the tolerance."""
 
 
 class Telling(Protocol):
@@ -180,7 +183,7 @@ def correct(
             return Failure.NOT_FINITE
         if now.sign == 0:
             return Failure.SINGULAR
-        step = _correction(now, np.append(-now.residual, length - dot(tangent, y)))
+        step = _correction(now, np.append(-now.residual, length - dot(tangent, y)), tolerance)
         size = norm(step)
         if not fresh and not size < far:  # too far for the old matrix
             here = None
@@ -213,9 +216,10 @@ def correct(
     return Failure.NO_CONVERGENCE
 
 
-def _correction(here: Linearisation, right: Array) -> Array:
-    solve = cast(Correcting, here).correction if _offers(type(here), "correction") else here.solve
-    return solve(right)
+def _correction(here: Linearisation, right: Array, tolerance: float) -> Array:
+    if _offers(type(here), "correction"):
+        return cast(Correcting, here).correction(right, tolerance)
+    return here.solve(right)
 
 
 def _too_slow(size: float, ratio: float, tolerance: float, patience: float) -> bool:
@@ -364,8 +368,7 @@ def _step(
     curved = old is not None and h_previous > 0
     evaluations = blocks = 0
     while True:
-        bend = 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and curved else 0.0
-        guess = h * last.tangent + bend
+        guess = _predicted(old, last, h_previous, h, scale, decisions)
         found = correct(
             problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest,
             decisions,
@@ -403,6 +406,19 @@ def _step(
             h = max(0.9 * h, settings.min_step)
             continue
         return _Taken(sample, found, cosine, False, h, evaluations)
+
+
+def _predicted(
+    old: Sample | None, last: Sample, h_previous: float, h: float, scale: Array, decisions: Decisions
+) -> Array:
+    """The scaled way from the last row to a guess of the next one, h along the last tangent."""
+    if old is None or not h_previous > 0:
+        return np.asarray(h * last.tangent)
+    if decisions.cubic:
+        curve = cubic(last.tangent, (old.z - last.z) / scale, old.tangent)
+        if curve is not None and h <= REACH * abs(curve.back):
+            return curve.at(h)
+    return np.asarray(h * last.tangent + 0.5 * h * h / h_previous * (last.tangent - old.tangent))
 
 
 def _what_happened(

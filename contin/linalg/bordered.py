@@ -14,6 +14,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from contin.abi import Vector
+from contin.linalg.vectors import combined, products
 
 ROUNDING: Final = float(np.finfo(float).eps)
 
@@ -97,14 +98,14 @@ class ApproximateBordered:
     def __init__(self, inner: Approximate, columns: Vector, rows: Vector, corner: Vector) -> None:
         self.inner, self.rows = inner, rows
         self.columns = np.column_stack([inner.solve(columns[:, j]) for j in range(columns.shape[1])])
-        schur = corner - rows.T @ self.columns
+        schur = corner - np.array([products(rows, c) for c in self.columns.T]).T
         self.schur = _inverse(schur) if np.all(np.isfinite(schur)) else np.eye(len(schur))
 
     def solve(self, right: Vector) -> Vector:
         n = len(self.rows)
         x = self.inner.solve(right[:n])
-        y = self.schur @ (right[n:] - self.rows.T @ x)
-        return np.concatenate([x - self.columns @ y, y])
+        y = self.schur @ (right[n:] - products(self.rows, x))
+        return np.concatenate([x - combined(self.columns, y), y])
 
 
 def _inverse(matrix: Vector) -> Vector:

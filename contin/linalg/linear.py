@@ -15,7 +15,7 @@ from contin.linalg.bordered import Approximate, ApproximateBordered, Solver, bor
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, Accuracy, gmres
 from contin.linalg.tally import Tally
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import combined, norm, products
 from contin.machine import elementary
 
 if TYPE_CHECKING:
@@ -233,8 +233,8 @@ class KrylovBordered:
     def _apply(self, x: Vector) -> Vector:
         n = len(self.columns)
         state, rest = x[:n], x[n:]
-        upper = self.linear.apply(state) + self.columns @ rest
-        return np.concatenate([upper, self.rows.T @ state + self.corner @ rest])
+        upper = self.linear.apply(state) + combined(self.columns, rest)
+        return np.concatenate([upper, products(self.rows, state) + self.corner @ rest])
 
     def solve(self, right: Vector, guess: Vector | None = None, accuracy: Accuracy | None = None) -> Vector:
         """See `gmres`."""

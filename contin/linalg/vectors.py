@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from contin.abi import Vector
+from contin.abi import Array, Vector
 
 LONG = 1000  # numbers; up to here BLAS stays on one thread
 
@@ -27,3 +27,13 @@ def norm(a: Vector) -> float:
     if a.size <= LONG:
         return math.sqrt(np.vdot(a, a).real)
     return math.sqrt(float(np.einsum("i,i->", a, a.conj()).real))
+
+
+def combined(columns: Array, weights: Array) -> Array:
+    """sum_j w_j columns_j of long columns (n, k)."""
+    return np.asarray(np.einsum("ij,j->i", columns, weights))
+
+
+def products(columns: Array, x: Vector) -> Vector:
+    """columns^T x (no conjugate) of long columns (n, k)."""
+    return np.asarray(np.einsum("ij,i->j", columns, x))

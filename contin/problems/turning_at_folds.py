@@ -14,13 +14,14 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.march import Linearisation
-from contin.linalg.newton import Rules, by_steps
-from contin.linalg.vectors import norm
+from contin.linalg.newton import Rules, newton
+from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
 NEAR, FAR = 0.006, 0.03  # distances in the metric, beyond the reach of differences across a corner
 NOISE: Final = 1e-9  # moves of the parameter that say nothing
 SQUARE: Final = 1.5  # power of s below which the parameter does not turn smoothly
+PLAIN: Final = 1e-3  # part of the parameter's way: shorter corrections do not change what is told from it
 CHORDS: Final = Rules(settled=1e-2 * NOISE, stalled=NOISE, ratio=0.9, growth=10.0, budget=25)  # they fall slowly
 
 
@@ -62,12 +63,14 @@ def _moved(
 ) -> Array | None:  # fmt: skip
     """The way (scaled) from z to where the curve has gone s along t, from a guess s t + s^2 bend; by chords."""
 
-    def step(y: Array) -> Array | None:
+    def correct(y: Array) -> tuple[float, Array] | None:
         f = residual(z + scale * y)
         if not np.all(np.isfinite(f)):
             return None
         d = here.solve(np.append(-f / scale[:-1], 0.0))
-        return np.asarray(d + (s - float(t @ (y + d))) * t)
+        d = d + (s - dot(t, y + d)) * t
+        size, there = norm(d), np.asarray(y + d)
+        return (0.0 if size <= PLAIN * abs(float(there[-1])) else size), there
 
-    found = by_steps(step, s * t + s * s * bend, 1.0, CHORDS)
+    found = newton(correct, s * t + s * s * bend, CHORDS)
     return None if found is None else found.at

@@ -77,7 +77,7 @@ class OrbitLinearisation:
             return self._null
         return self._solved(right, self.again)
 
-    def correction(self, right: Array) -> Array:
+    def correction(self, right: Array, tolerance: float) -> Array:
         """The same for Newton's method, as far as the next correction does not undo it."""
         if not self.rough:
             return self._solved(right, self.again)

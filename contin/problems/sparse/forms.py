@@ -36,9 +36,9 @@ def linear_at(problem: SparseEquations, z: Array) -> Linear:
     return linear
 
 
-def projector(linear: Linear, q: Vector) -> Callable[[Vector], tuple[Vector, Any]]:
-    """r -> (x, <p, r>) with A x = r - <p, r> M q and q^H x = 0."""
-    solver = linear.bordered(linear.weigh(q)[:, None], np.conj(q)[:, None], np.zeros((1, 1)))
+def projector(linear: Linear, q: Vector, coarse: bool = False) -> Callable[[Vector], tuple[Vector, Any]]:
+    """r -> (x, <p, r>) with A x = r - <p, r> M q and q^H x = 0; `coarse`: enough for estimates of errors."""
+    solver = linear.bordered(linear.weigh(q)[:, None], np.conj(q)[:, None], np.zeros((1, 1)), coarse)
 
     def project(r: Vector) -> tuple[Vector, Any]:
         found = solver.solve(np.append(r, 0.0))
@@ -62,7 +62,7 @@ def rounding(linear: Linear, value: complex, q: Vector) -> float:
     """
     generator = np.random.default_rng(4)
     q = unit(linear, q)
-    project = projector(linear.shifted(value), q)
+    project = projector(linear.shifted(value), q, coarse=True)
     size = linear.magnitude(np.abs(q))
     noise = np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, len(q)))
     return max(abs(complex(project((size * row).astype(complex))[1]).real) for row in noise)
@@ -76,7 +76,7 @@ def rounding_of_fold(problem: SparseEquations, z: Array, q: Vector) -> float:
     """
     generator = np.random.default_rng(6)
     linear = linear_at(problem, z)
-    project = projector(linear, unit(linear, q))
+    project = projector(linear, unit(linear, q), coarse=True)
     size = linear.magnitude(np.abs(z[:-1]))
     slope = abs(complex(project(problem.parameter_slope(z))[1]))
     noise = 0.5 * np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, problem.n))
@@ -96,7 +96,7 @@ def rounding_of_branch_point(problem: SparseEquations, z: Array, q: Vector, form
     generator = np.random.default_rng(8)
     linear, slope = linear_at(problem, z), problem.parameter_slope(z)
     q = unit(linear, q)
-    project = projector(linear, q)
+    project = projector(linear, q, coarse=True)
     h = -np.real(project(slope)[0])
     worst = 0.0
     for size, weight in ((linear.magnitude(np.abs(q)), b11), (linear.magnitude(np.abs(h)) + np.abs(slope), b20)):

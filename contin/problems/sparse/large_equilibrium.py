@@ -74,7 +74,10 @@ class LargeProblem(LargeEquations):
     ) -> Chunk:  # fmt: skip
         if before is None:
             self.begin(origin.z)
-        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop, self.again)
+        return python_march.march(
+            self, origin, before, length, frame, step, limit, bounds, settings, loop, self.again,
+            decisions=python_march.Decisions(cubic=True),
+        )  # fmt: skip
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)

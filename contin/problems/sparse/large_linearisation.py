@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.extrapolation import cubic
 from contin.linalg.eigen import Region
 from contin.linalg.krylov import Accuracy
 from contin.linalg.linear import KrylovBordered, Linear, Solution
@@ -21,10 +22,12 @@ from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
 # errors (scaled) of what is solved for by iteration:
-ROUGH = 1e-2  # of a correction with an old matrix, as a part of it
+ROUGH = 0.1  # of a correction with an old matrix, as a part of it
+LONG = 1e-2  # of any correction, as a part of it
+BELOW = 1e-2  # of any correction, as a part of the tolerance that the last one is to meet
 QUADRATIC = 0.1  # of Newton's correction of length 1
 SETTLED = 1e-13  # of any correction
-TANGENT = 1e-7  # of a tangent, as a part of it, ...
+TANGENT = 1e-5  # of a tangent, as a part of it, ...
 SLOPE = 1e-3  # ... and of dp/ds
 ROUNDED = 1e-14  # at best
 ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
@@ -50,6 +53,7 @@ class Workspace:
     region: Region = field(default_factory=Region)
     of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
+    earlier: tuple[Array, Array] | None = None  # the one before it that is not from next to there
     judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
     unseen: tuple[float, float] | None = None  # modulus up to which eigenvalues were computed at least, and to be
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
@@ -82,13 +86,18 @@ class LargeLinearisation:
 
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""
+        return self.correction(right, 0.0)
+
+    def correction(self, right: Array, tolerance: float) -> Array:
+        """M x = right for Newton's method, whose last correction is to meet a tolerance."""
         d = self.scale[:-1]
         both = np.append(d * right[:-1], right[-1])
         if not isinstance(self._solution, KrylovBordered):
             x = self._solution.solve(both)
         elif right[:-1].any():
             wanted = self._of_chord if self.rough else self._of_newton
-            x = self._solution.solve(both, accuracy=Accuracy(self._size, wanted))
+            floor = max(BELOW * tolerance, SETTLED)
+            x = self._solution.solve(both, accuracy=Accuracy(self._size, lambda x: max(wanted(x), floor)))
         else:
             x = self._tangent(self._solution, both)
         return np.asarray(x / self.scale)
@@ -97,11 +106,11 @@ class LargeLinearisation:
         return norm(x / self.scale)
 
     def _of_chord(self, x: Array) -> float:
-        return max(ROUGH * self._size(x), SETTLED)
+        return ROUGH * self._size(x)
 
     def _of_newton(self, x: Array) -> float:
         size = self._size(x)
-        return max(min(QUADRATIC * size, ROUGH) * size, SETTLED)
+        return min(QUADRATIC * size, LONG) * size
 
     def _of_tangent(self, x: Array) -> float:
         """The fold's test is dp/ds, which must be right as a part of itself."""
@@ -120,17 +129,29 @@ class LargeLinearisation:
             guess = None if far else guess * (right[-1] / along)
         x = solution.solve(right, guess, accuracy)
         if np.all(np.isfinite(x)) and x.any():
+            known = self.work.tangent
+            if known is not None and norm((self.z - known[1]) / self.scale) > CHORD:
+                self.work.earlier = known
             self.work.tangent = x, self.z
         return x
 
     def _guessed(self) -> Array | None:
-        """The last tangent t; far from it that of the parabola, 2 c - t, c a chord with t.c = |c|^2."""
+        """The last tangent t; far from it that of a polynomial through what is known, or of the parabola.
+
+        That is 2 c - t, c a chord with t.c = |c|^2.
+        """
         known = None if self.work is None else self.work.tangent
-        if known is None or self.z is None:
+        if known is None or self.work is None or self.z is None:
             return None
         t, place = known
         chord = (self.z - place) / self.scale
         if not norm(chord) > CHORD:
             return t
         scaled = t / self.scale
+        if self.work.earlier is not None:
+            slope, at = self.work.earlier
+            curve = cubic(scaled / norm(scaled), (at - place) / self.scale, slope / self.scale)
+            better = None if curve is None else curve.slope_at(chord)
+            if better is not None:
+                return np.asarray(self.scale * better)
         return np.asarray(self.scale * (2.0 * dot(scaled, chord) / dot(chord, chord) * chord - scaled))

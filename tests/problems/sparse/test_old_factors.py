@@ -38,7 +38,7 @@ def test_old_factors_give_the_numbers_of_new_ones_with_few_solves(monkeypatch):
             assert a.normal_form[name] == pytest.approx(value, rel=1e-6)
     np.testing.assert_allclose(old.columns["lam"], new.columns["lam"], atol=1e-3)  # the same steps
     assert old.effort["factorisations"] <= 3 < new.effort["factorisations"]
-    assert old.effort["applications"] <= 580  # in single precision; 634 where all is solved to the same residual
+    assert old.effort["applications"] <= 440  # measured 403; 634 where all is solved to the same residual
 
 
 @pytest.mark.parametrize("stiff", [1.0, 1e8])
