@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from contin.abi import Vector
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 
 Operator = Callable[[Vector], Vector]
 Learn = Callable[[Vector, Vector, Vector], None]  # of D (k, n), V (k + 1, n), H (k + 1, k) with apply(D^T) = V^T H
@@ -18,6 +20,7 @@ COARSE = 1e-7
 RESTART = 60
 FIRST_BASIS = 12  # vectors allocated at first
 RESTARTS = 8
+SINGULAR = 1e-13  # ratio of a triangle's diagonal entries, and of singular values, that rounding makes
 GAINED = 1e-3  # part of the residual of a guess to which it is reduced, so that solutions nearby differ as they should
 
 
@@ -94,32 +97,84 @@ def _cycle(
     kind = v.dtype
     basis, directions = np.empty((FIRST_BASIS, len(v)), kind), np.empty((FIRST_BASIS, len(v)), kind)
     basis[0] = v
-    hessenberg = np.zeros((RESTART + 1, RESTART), kind)
+    smallest = _SmallestResidual(beta, kind)
     steps, left = 0, beta
-    y: Vector = np.zeros(0)
     for k in range(RESTART):
         directions[k] = precondition(basis[k])
         w = apply(directions[k])
+        column = np.zeros(k + 2, kind)
         for _ in range(2):  # orthogonalised twice
             h = np.einsum("ij,j->i", basis[: k + 1].conj(), w)
             w = w - np.einsum("i,ij->j", h, basis[: k + 1])
-            hessenberg[: k + 1, k] += h
+            column[: k + 1] += h
         length = norm(w)
-        if not (np.isfinite(length) and np.all(np.isfinite(hessenberg[: k + 1, k]))):  # LAPACK would print that
+        column[k + 1] = length
+        if not np.all(np.isfinite(column)):  # LAPACK would print that
             return np.zeros_like(v), k + 1, np.inf
-        hessenberg[k + 1, k] = length
         steps = k + 1
-        e = np.zeros(k + 2)
-        e[0] = beta
-        y, *_ = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], e, rcond=None)
-        left = float(np.linalg.norm(e - hessenberg[: k + 2, : k + 1] @ y))
+        left = smallest.with_column(column)
         if k + 1 == len(basis):
             basis = np.concatenate([basis, np.empty_like(basis)])
             directions = np.concatenate([directions, np.empty_like(directions)])
         basis[k + 1] = w / length if length > 0.0 else 0.0
-        met = check is not None and check(y, directions[: k + 1], left)
+        met = check is not None and check(smallest.solution(), directions[: k + 1], left)
         if met or left <= goal or length <= 1e-14 * beta:
             break
     if learn is not None:
-        learn(directions[:steps], basis[: steps + 1], hessenberg[: steps + 1, :steps])
+        learn(directions[:steps], basis[: steps + 1], smallest.hessenberg[: steps + 1, :steps])
+    y, left = smallest.solution(), smallest.residual()
     return np.einsum("i,ij->j", y, directions[:steps]), steps, left
+
+
+class _SmallestResidual:
+    """y of the smallest |beta e_1 - H y| for a Hessenberg matrix H that grows by columns: its QR factors by rotations.
+
+    Where H is singular to rounding, y is the shortest one, by singular values.
+    """
+
+    def __init__(self, beta: float, kind: np.dtype[Any]) -> None:
+        self.hessenberg, self.triangle = np.zeros((RESTART + 1, RESTART), kind), np.zeros((RESTART, RESTART), kind)
+        self.right = np.zeros(RESTART + 1, kind)
+        self.beta = self.right[0] = beta
+        self.rotations: list[tuple[complex, complex]] = []
+        self.sizes: list[float] = []  # of the triangle's diagonal
+
+    def with_column(self, column: Vector) -> float:
+        """The residual's norm with one more column, (k + 2,), the last entry of which is >= 0."""
+        k = len(self.rotations)
+        self.hessenberg[: k + 2, k] = column
+        entries = column.tolist()
+        for i, (a, b) in enumerate(self.rotations):
+            upper, lower = entries[i], entries[i + 1]
+            entries[i], entries[i + 1] = a.conjugate() * upper + b * lower, a * lower - b * upper
+        upper, below = entries[k], entries[k + 1].real
+        size = float(elementary.hypot(abs(upper), below))
+        a, b = (upper / size, below / size) if size > 0.0 else (1.0, 0.0)
+        self.rotations.append((a, b))
+        self.sizes.append(size)
+        self.triangle[:k, k], self.triangle[k, k] = entries[:k], size
+        here = self.right[k]
+        self.right[k], self.right[k + 1] = np.conj(a) * here, -b * here
+        return self.residual() if self._is_singular() else abs(complex(self.right[k + 1]))
+
+    def _is_singular(self) -> bool:
+        return min(self.sizes) <= SINGULAR * max(self.sizes)
+
+    def residual(self) -> float:
+        """|beta e_1 - H y| of the solution as it is, with its rounding errors."""
+        k = len(self.rotations)
+        left = -(self.hessenberg[: k + 1, :k] @ self.solution())
+        left[0] += self.beta
+        return norm(left)
+
+    def solution(self) -> Vector:
+        """y (k,)."""
+        k = len(self.rotations)
+        triangle, right = self.triangle[:k, :k], self.right[:k]
+        if self._is_singular():
+            return np.asarray(np.linalg.lstsq(triangle, right, rcond=SINGULAR)[0])
+        y = right.copy()
+        for i in range(k - 1, -1, -1):
+            y[i] /= triangle[i, i]
+            y[:i] -= triangle[:i, i] * y[i]
+        return y

@@ -116,7 +116,7 @@ class JacobianSource:
 
         model = self.system.model
         if model.method != "sparse":
-            return csc_matrix(self._by_products(u, p))
+            return self.entries(self._product(u, p))
         if model.jacobian is None:
             return self._coloured(u, p)
         matrix = called("Jacobian", model.jacobian, u, self.system._named(p))
@@ -128,10 +128,11 @@ class JacobianSource:
             matrix.sum_duplicates()
         return matrix
 
-    def _by_products(self, u: Array, p: Array) -> Array:
-        """The entries of a Jacobian that is only applied, n products."""
-        product = self._product(u, p)
-        return np.column_stack([product(column) for column in np.eye(self.system.n)])
+    def entries(self, product: Callable[[Array], Array]) -> csc_matrix:
+        """The matrix of an operator that is only applied, by n products."""
+        from scipy.sparse import csc_matrix
+
+        return csc_matrix(np.column_stack([product(column) for column in np.eye(self.system.n)]))
 
     # coloured differences ---------------------------------------------------------------------------------------------
 

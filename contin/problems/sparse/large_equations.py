@@ -15,8 +15,9 @@ from contin.continuation import march as python_march
 from contin.linalg.beside_zero import beside_zero
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of
 from contin.linalg.eigen import FEWEST, Spectrum, followed
+from contin.linalg.far_from_zero import WATCHED, with_far_ones
 from contin.linalg.inertia import positive_eigenvalues
-from contin.linalg.linear import KrylovLinear, Linear
+from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange
 from contin.linalg.region_of_pencil import RegionOfPencil
 from contin.machine import elementary
@@ -33,6 +34,7 @@ MOST_TELLING = 10  # eigenvalues of each kind that are kept of many, ...
 TELLING = 1.5  # ... beside those up to so many times the largest unstable one
 WHOLE = 500  # states up to which all eigenvalues are computed where too many are near the axis for Krylov spaces
 UNBOUNDED = 20  # eigenvalues that are computed where nothing is known of where unstable ones are
+TURNING = 0.9  # as WATCHED, of pairs where nothing but what was seen tells how far to look
 OLD = 0.09  # part of an error that factors of an earlier point leave
 
 
@@ -127,6 +129,7 @@ class LargeEquations(InOneParameterProblem):
             linear = self.linear(z)
         assert linear is not None
         n = self.n
+        linear = self._by_entries(linear)
         if linear.matrix is not None and n <= SMALL:
             return every(linear.matrix.toarray(), None if linear.mass is None else linear.mass.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
@@ -136,15 +139,18 @@ class LargeEquations(InOneParameterProblem):
             found, work.gain = followed(linear, *old, work.vectors, work.gain)
             work.vectors = found.vectors
             if int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
-                return found
+                return self._with_far_ones(linear, found)
         if linear.matrix is not None:
             right, up = self._region(linear)
             symmetric = up <= 1e-9 * right  # later ones come through zero, and grow out of those of the first point
             radius = float(elementary.hypot(right, up)) if right > 0.0 and (first or not symmetric) else 0.0
         if linear.mass is not None and work.vectors is not None and _is_another_points(linear):
             radius = 0.0  # unstable ones grow out of those that were near the axis at an earlier point
-        fewest = UNBOUNDED if linear.mass is not None and not self._bounded(linear) else FEWEST
-        nearest = beside_zero(linear, linear.weigh(start), radius, work.reach, fewest)
+        if linear.mass is None:
+            unbounded = linear.matrix is None and (first or at_zero)
+        else:
+            unbounded = not self._bounded(linear)
+        nearest = beside_zero(linear, linear.weigh(start), radius, work.reach, UNBOUNDED if unbounded else FEWEST)
         found = nearest.found
         if linear.matrix is not None and not found.certain:
             if n <= WHOLE:
@@ -160,16 +166,34 @@ class LargeEquations(InOneParameterProblem):
             reach = max(reach, small, ROUNDINGS * rounding_of(nearest.inverse, n))
         if isinstance(nearest.inverse, OnRange):  # every vector costs solves more
             nearest = replace(nearest, found=_telling(found, reach))
-        return self._kept(nearest.with_copies(n, reach).spectrum())
+        near = self._kept(nearest.with_copies(n, reach).spectrum(), TURNING if linear.matrix is None else WATCHED)
+        return self._with_far_ones(linear, near)
 
-    def _kept(self, found: Spectrum) -> Spectrum:
-        """The same; what the next point begins with is remembered."""
+    def _with_far_ones(self, linear: Linear, found: Spectrum) -> Spectrum:
+        """See `with_far_ones`: where Krylov spaces of the inverse do not reach as far as unstable ones may be."""
+        if linear.mass is not None or (linear.matrix is not None and self.work.unseen is None):
+            return found
+        return with_far_ones(found, linear.apply, self.n)
+
+    def _by_entries(self, linear: Linear) -> Linear:
+        """The same with its matrix where that costs less than what products alone leave unseen."""
+        if linear.matrix is not None or self.n > WHOLE:
+            return linear
+        work = self.work
+        if work.by_entries is None or work.by_entries[0] is not linear:
+            matrix = self.source.entries(linear.apply)
+            work.by_entries = linear, DirectLinear(matrix, self.source.factoriser, mass=linear.mass)
+        return work.by_entries[1]
+
+    def _kept(self, found: Spectrum, watched: float = WATCHED) -> Spectrum:
+        """The same; what the next point begins with is remembered: pairs l with Re l > -watched |l| among it."""
         if found.values.size:
             work = self.work
             work.vectors = found.vectors[:, _to_follow(found.values)]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
-            watched = found.values.real > -0.2 * np.abs(found.values)
-            work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
+            part = np.where(found.values.imag != 0.0, watched, WATCHED)
+            near = found.values.real > -part * np.abs(found.values)
+            work.reach = float(np.abs(found.values[near]).max(initial=0.0))
         return found
 
     def _region(self, linear: Linear) -> tuple[float, float]:
@@ -195,15 +219,21 @@ class LargeEquations(InOneParameterProblem):
         if self.work.unseen is not None and self.work.unseen[1] > 0.0:
             seen, radius = self.work.unseen
             return (
-                f"stability is that of eigenvalues up to {seen:.3g} from zero, as many as are computed at most; "
-                f"unstable ones farther away, which the matrix allows up to {radius:.3g}, are not counted",
+                f"stability is that of eigenvalues up to {seen:.3g} from zero, as many as are computed at most, and of "
+                f"others that lie apart on the right; the matrix allows unstable ones up to {radius:.3g}",
             )
-        linear = self.linear(z[-1]) if self.system.model.mass_matrix is not None and self.n > SMALL else None
-        if linear is None or self._bounded(linear):
+        if self.n <= SMALL or (self.system.model.mass_matrix is None and self.system.model.method != "matrix-free"):
             return ()
+        linear = self.linear(z[-1])
+        linear = linear and self._by_entries(linear)
+        if linear is None or (self._bounded(linear) if linear.mass is not None else linear.matrix is not None):
+            return ()
+        nearest, unknown = f"{UNBOUNDED} or more eigenvalues nearest to zero", "with this mass matrix"
+        if linear.mass is None:
+            nearest = "eigenvalues nearest to zero, and of others that lie apart on the right"
+            unknown = "of a Jacobian that is only applied"
         return (
-            f"stability is that of the {UNBOUNDED} or more eigenvalues nearest to zero: with this mass matrix no "
-            "region is known in which all unstable ones are",
+            f"stability is that of the {nearest}: {unknown} no region is known in which all unstable ones are",
         )
 
     def _old_inverse(self, linear: Linear) -> tuple[Callable[[Array], Array], float] | None:

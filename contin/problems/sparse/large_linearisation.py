@@ -54,6 +54,7 @@ class Workspace:
     of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
     earlier: tuple[Array, Array] | None = None  # the one before it that is not from next to there
+    by_entries: tuple[Linear, Linear] | None = None  # an operator known by products, and the same by its matrix
     judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
     unseen: tuple[float, float] | None = None  # modulus up to which eigenvalues were computed at least, and to be
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
