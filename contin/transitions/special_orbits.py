@@ -13,8 +13,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.problem import Problem
 from contin.continuation.seed import Seed
 from contin.problems.two_parameters import indices
-from contin.special.table import curves_of_orbits
-from contin.transitions.found_beside import tori_beside
+from contin.special.table import curves_of_orbits, special_type
 
 if TYPE_CHECKING:
     from contin.loci.orbits.special_orbits import OfSpecialOrbits
@@ -52,11 +51,8 @@ def seeds_through(
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     seeds: list[Seed] = []
     for type_ in meeting(point.type, problem.locus):
-        if type_ == "NS" and problem.locus != "NS":
-            seeds += tori_beside(problem, point, parameters)
-        else:
-            further = further_through(problem, point, type_)
-            seeds.append(seed_of(partial(curve_of, type_), problem_of, orbits, orbit, point, parameters, further))
+        further = further_through(problem, point, type_)
+        seeds.append(seed_of(partial(curve_of, type_), problem_of, orbits, orbit, point, parameters, further))
     return seeds
 
 
@@ -70,7 +66,10 @@ def further_through(problem: OfSpecialOrbits, point: SpecialPoint, type_: str) -
     """cos theta of the curve of tori through the point; 0 for other types."""
     if type_ != "NS":
         return 0.0
-    if point.type == "NSNS":
+    cosine = special_type(point.type).cosine
+    if cosine is not None:
+        return cosine
+    if point.type == "NSNS" or problem.locus != "NS":
         pairs = [v for v in problem.others(np.asarray(point.eigenvalues), point.z) if v.imag > 0.0]
         if pairs:
             nearest = min(pairs, key=lambda v: abs(abs(v) - 1.0))

@@ -42,7 +42,7 @@ def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact,
         for j in range(nu + 1 + intervals):
             z[j] = out_z[j]
         z[last] = out_z[size - 1]
-        status = linearise(e, c, w, s, f, o, out_z[size - 2], out_z[size - 3])
+        status = linearise(e, c, w, s, f, o, sizes, out_z[size - 2], out_z[size - 3])
         if status != 0:
             return status
         changes(c.kind, f.across, f.along, o.y, scale, d)

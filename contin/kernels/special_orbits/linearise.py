@@ -1,5 +1,7 @@
 """The equations of special orbits at a point: solutions y, null functions v, G and its derivatives dG."""
 
+import math
+
 from contin.kernels.collocation import evaluate, residual
 from contin.kernels.collocation_system import reduce_right
 from contin.kernels.compile import call4, kernel
@@ -18,8 +20,8 @@ from contin.kernels.special_orbits.memory import BPC, FAILED, LPC, NOT_FINITE, N
 from contin.kernels.special_orbits.null_vectors import final_factors, finish, null_functions
 
 
-@kernel("Equations, Curve, Points, Factors, Borders, CurveMemory, f, f -> i")
-def linearise(e, c, w, s, f, o, q, extra):
+@kernel("Equations, Curve, Points, Factors, Borders, CurveMemory, f1, f, f -> i")
+def linearise(e, c, w, s, f, o, sizes, q, extra):
     """The solutions y, G and dG at o.z with second parameter q and the further unknown; 0, FAILED or NOT_FINITE."""
     w.p[c.second] = q
     if not evaluate(e, w, o.z, True):
@@ -29,6 +31,8 @@ def linearise(e, c, w, s, f, o, q, extra):
     residual(e, w, o.z, s.right_local, o.jump, o.border)
     if fill(e, w, o.z, o.zero, o.units, s, o.corner) == 0 or condense(s, e.n, e.m) == 0:
         return FAILED
+    if c.kind == NS and e.forcing == 0:
+        across_flow(e, w, o, sizes)
     by_r = period_row(e, c, w, f, o)
     if not final_factors(e, c, w, s, f, o):
         return FAILED
@@ -44,6 +48,21 @@ def linearise(e, c, w, s, f, o, q, extra):
     reduce_slopes(e, c, w, s, f, o)
     slopes(e, c, s, o)
     return 0
+
+
+@kernel("Equations, Points, CurveMemory, f1")
+def across_flow(e, w, o, sizes):
+    """o.section: row that is zero across the flow at u(0), in the metric of the states. Needs `evaluate`."""
+    here, section = o.here, o.section
+    total = 0.0
+    for k in range(e.n):
+        here[k] = o.z[k]
+    call4(e.jacobian, here, w.p, w.F, w.J)
+    for k in range(e.n):
+        section[k] = w.F[k] / sizes[k]
+        total += section[k] * section[k]
+    for k in range(e.n):
+        section[k] /= sizes[k] * math.sqrt(total)
 
 
 @kernel("Equations, Curve, Points, Borders, CurveMemory -> f")
@@ -103,6 +122,7 @@ def reduce_slopes(e, c, w, s, f, o):
         else:
             which = o.at.shape[0] - 1
             spread(v, a, n, m, o.node, o.at, e.values, which)
+            by_period = v[a, nu] if c.kind == NS and e.forcing == 0 else 0.0
         second_derivatives(e, c, w, f, o, which, by_period, by_s)
         for j in range(count):
             y_s = y[j, nu + 1]
@@ -136,7 +156,7 @@ def slopes(e, c, s, o):
                 lu_solve(o.final, o.final_pivots, x)
                 dG[a, j] = x[n + 1] if c.kind == LPC else x[n + 2]
         else:
-            for r in range(passes * n + passes):
+            for r in range(o.null.shape[0]):
                 x[r] = 0.0
             for a in range(passes):
                 for r in range(n):

@@ -32,16 +32,16 @@ CurveMemory = namedtuple(
         "fq",  # (m, n, N) f by the second parameter
         "fr",  # (m, n, N) by r
         "y",  # (4, nu + 3): (u, T, s, unfolding) of the four solutions
-        "v",  # (2, nu + 3): null functions
+        "v",  # (2, nu + 3): null functions; of NS of autonomous flows with their T parts
         "node",  # (5, m + 1, n, N) y and v interval by interval
         "at",  # (5, m, n, N) ... at the Gauss points
         "rate",  # (m, n, N) Df[v]
         "bend",  # (m, n, n + m_p, N) D^2f[v, .]
         "final",  # (n + 2 or n + 3, ...) LU factors of the last system
         "final_pivots",
-        "null",  # (n + 1 or 2 n + 2, ...) LU factors of the system for v
+        "null",  # (n + 1, 2 n + 2 or 2 n + 4, ...) LU factors of the system for v
         "null_pivots",
-        "x",  # (2 n + 3,) a right-hand side of either
+        "x",  # (2 n + 4,) a right-hand side of either
         "reduced",  # (2, 4, n + 2) reduced right-hand sides
         "small",  # (2, 2) or (3, 3)
         "small_pivots",
@@ -78,12 +78,13 @@ CurveMemory = namedtuple(
         "slope",  # (n,)
         "period",  # (1,)
         "by_all",  # (1, n + m_p)
+        "section",  # (n,) row of the section that v(0) of NS lie in (autonomous flows)
     ],
 )
 structure(
     CurveMemory,
     "f3, f3, f2, f2, f4, f4, f3, f4, f2, i1, f2, i1, f1, f3, f2, i1, f1, f1, f1, f1, f1, f2, f2, f1, f1, f1, "
-    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f1, f1, f1, f1, f1, f2, f1, f1, f2",
+    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f1, f1, f1, f1, f1, f2, f1, f1, f2, f1",
 )
 
 
@@ -91,7 +92,9 @@ def new_curve_memory(kind, n, m, free, intervals, p_size):
     """CurveMemory for `follow_special` on one mesh; `free` multipliers are not trivial."""
     nu = (intervals * m + 1) * n
     last = n + 3 if kind == BPC else n + 2
-    null = 2 * n + 2 if kind == NS else n + 1
+    null = n + 1
+    if kind == NS:
+        null = 2 * n + (4 if free < n else 2)
     small = 2 if kind in (LPC, PD) else 3
     family = nu + intervals + 2
     size = family + small - 1
@@ -100,12 +103,12 @@ def new_curve_memory(kind, n, m, free, intervals, p_size):
         np.zeros((m, n, intervals)), np.zeros((m, n, intervals)), np.zeros((4, nu + 3)), np.zeros((2, nu + 3)),
         np.zeros((5, m + 1, n, intervals)), np.zeros((5, m, n, intervals)), np.zeros((m, n, intervals)),
         np.zeros((m, n, n + p_size, intervals)), np.zeros((last, last)), np.zeros(last, np.int64),
-        np.zeros((null, null)), np.zeros(null, np.int64), np.zeros(2 * n + 3), np.zeros((2, 4, n + 2)),
+        np.zeros((null, null)), np.zeros(null, np.int64), np.zeros(2 * n + 4), np.zeros((2, 4, n + 2)),
         np.zeros((small, small)), np.zeros(small, np.int64), np.zeros(family), np.ones(family), np.zeros(family),
         np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros((2, 4)), np.zeros(2), np.zeros(size), np.zeros(size),
         np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(nu), np.zeros(3),
         np.zeros(2), np.zeros(1), np.zeros(others), np.zeros(others), np.zeros(4), np.zeros(TEST_COUNTS[kind]),
         np.zeros((4, size)), np.zeros(size),
         np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size), np.zeros((n, n + p_size)), np.zeros(n),
-        np.zeros(1), np.zeros((1, n + p_size)),
+        np.zeros(1), np.zeros((1, n + p_size)), np.zeros(n),
     )  # fmt: skip

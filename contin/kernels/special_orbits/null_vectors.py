@@ -59,7 +59,12 @@ def finish(s, n, m, f, o, border, reduced, row):
 
 @kernel("Equations, Curve, Factors, Borders, CurveMemory, f -> b")
 def null_functions(e, c, s, f, o, k):
-    """The null function(s) v of PD and NS and their G, with the factors of the system for v(0); False: singular."""
+    """The null function(s) v of PD and NS and their G, with the factors of the system for v(0); False: singular.
+
+    NS: v_1(1) = v_2(0) and v_2(1) - 2 k v_2(0) + v_1(0) = B G. Of autonomous flows v' = T f_u v + T_v f with both v(0)
+    in the section. So the trivial multiplier has no part in it, beside which a fold with k = 1 would be a solution,
+    too, and its curve would cross that of the tori at R1.
+    """
     n, m = e.n, e.m
     end, a, b, start, x, points = s.end, o.null, f.jump, f.start, o.x, s.points
     intervals = points.shape[1] - 1
@@ -86,6 +91,10 @@ def null_functions(e, c, s, f, o, k):
                     a[n + r, 2 * n + q] += end[r, n + j] * b[j, q]
             for q in range(2):
                 a[2 * n + q, r] = start[r, q]
+            if size > 2 * n + 2:
+                for q in range(2):
+                    a[q * n + r, 2 * n + 2 + q] = end[r, 2 * n]
+                    a[2 * n + 2 + q, q * n + r] = o.section[r]
         x[2 * n] = 1.0
     if lu_factor(a, o.null_pivots) == 0:
         return False
@@ -103,5 +112,6 @@ def null_functions(e, c, s, f, o, k):
                 points[r, intervals] = x[n + r]
             else:
                 points[r, intervals] = 2.0 * k * x[n + r] - x[r] + b[r, 0] * o.G[0] + b[r, 1] * o.G[1]
-        expand(s, n, m, 0.0, 0.0, o.v[q])
+        period = x[2 * n + 2 + q] if size > 2 * n + 2 else 0.0
+        expand(s, n, m, period, 0.0, o.v[q])
     return True

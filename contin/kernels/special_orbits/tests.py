@@ -5,6 +5,9 @@ tests 2, 3, 4   pairs, flips (see `contin.kernels.tests_of_stability`) and ones 
 LPC   5         speed: component of the tangent along the curve in the plane of the parameters, zero at a cusp
 NS    5 - 8     k - 1, k + 1, k + 1/2, k: zero at R1, R2, R3, R4
 PD 5, NS 9      not known here (NaN): the coefficient of the normal form
+
+Next to a resonance (R1 of LPC, R2 of PD) the multiplier beside the critical one is known to rounding / its distance
+from it, their sum to rounding: it is their sum less what the critical one is.
 """
 
 import math
@@ -32,9 +35,18 @@ def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
             first = found
         else:
             second = found
+    beside = -1
+    if kind != NS and re.size > 1:
+        beside = nearest(kind, re, im, k, 1.0, first)
+        if im[beside] != 0.0 and im[beside] != -im[first]:
+            beside = -1
     left = 0
     for i in range(re.size):
-        if i != first and i != second:
+        if i == beside:
+            others_re[left] = re[i] + (re[first] - (-1.0 if kind == PD else 1.0))
+            others_im[left] = 0.0
+            left += 1
+        elif i != first and i != second:
             others_re[left] = re[i]
             others_im[left] = im[i]
             left += 1

@@ -16,6 +16,7 @@ from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.loci.orbits import criticality
 from contin.loci.without_coefficients import with_remark
+from contin.problems.orbits.linearised.multipliers import without
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import special_type, tests_of_orbits
 
@@ -28,6 +29,12 @@ RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, a
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
 SOME: Final = "cycles with algebraic states, or on curves of BPC or of touching orbits"
 ALONG: Final = 10.0  # a point on a curve moves along it, too, when the equations change: no more than that is presumed
+
+NOISE: Final = 1e-13  # a multiplier this near to the unit circle is on it
+FURTHER: Final = {  # by curve and point: the multiplier that is critical beside those of the curve, where it is real
+    ("LPC", "R1"): 1.0, ("BPC", "R1"): 1.0, ("LPC", "LPPD"): -1.0, ("BPC", "LPPD"): -1.0,
+    ("PD", "R2"): -1.0, ("PD", "LPPD"): 1.0, ("NS", "LPNS"): 1.0, ("NS", "PDNS"): -1.0,
+}  # fmt: skip
 
 
 def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -99,7 +106,22 @@ def located(
     moved = float(np.abs(finer[1].z[[-1, -2]] - found.z[[-1, -2]]).max())
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     error += ALONG * problem.error_of_equations(found.z, frame.scale)
-    return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable), finer
+    return Verified(type_, found.z, zero.value, error, found.eigenvalues, _unstable(problem, type_, found)), finer
+
+
+def _unstable(problem: CurveOfSpecialOrbits, type_: str, found: Sample) -> int:
+    """How many multipliers that are critical neither along the curve nor at the point are unstable."""
+    others = problem.others(found.eigenvalues, found.z)
+    further = FURTHER.get((problem.locus, type_))
+    if further is not None:
+        others = without(others, [further])
+    elif type_ == tests_of_orbits(problem.locus)[0]:
+        pairs = others[others.imag > 0.0]
+        nearest = pairs[np.argmin(np.abs(np.abs(pairs) - 1.0))]
+        others = without(others, [nearest, nearest.conj()])
+    else:
+        return found.unstable
+    return int(np.count_nonzero(np.abs(others) > 1.0 + NOISE))
 
 
 def _on_finer_mesh(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> Refined | None:

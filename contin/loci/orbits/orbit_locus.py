@@ -22,6 +22,7 @@ from contin.loci.orbits import criticality
 from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.orbits.renewal import on_finer_mesh, renew
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
+from contin.loci.tolerances import ONE_CORRECTION
 from contin.machine import elementary
 from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.orbits.linearised.linear import OrbitLinear
@@ -84,7 +85,13 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
-        found = self.curve.gauged(frame.gauge).correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
+        curve = self.curve.gauged(frame.gauge)
+        found = curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
+        if isinstance(found, Failure):
+            nearer = curve.correct(base.z, base.tangent, length, guess, frame.scale, ONE_CORRECTION, exact=False)
+            if isinstance(nearer, Failure):
+                return None
+            found = curve.correct(base.z, base.tangent, length, nearer.z, frame.scale, tolerance)
         if isinstance(found, Failure):
             return None
         wanted = criticality.is_measured(self.curve, base)

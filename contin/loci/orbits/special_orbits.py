@@ -15,7 +15,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.loci.orbits import criticality, events
 from contin.loci.orbits.curve_of_orbits import CurveOfSpecialOrbits
 from contin.loci.orbits.homoclinic_approach import approached
-from contin.problems.orbits.linearised.multipliers import nontrivial, without
+from contin.problems.orbits.linearised.multipliers import nontrivial, without, without_critical
 from contin.special.table import tests_of_orbits
 
 
@@ -25,7 +25,10 @@ class OfSpecialOrbits(CurveOfSpecialOrbits):
 
     def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
         """The multipliers without the trivial and the critical ones."""
-        return without(nontrivial(self.curve.orbits, values), events.critical(self.locus, self.curve.further(z)))
+        left = nontrivial(self.curve.orbits, values)
+        if self.locus != "NS":
+            return without_critical(left, events.critical(self.locus, 0.0)[0].real)
+        return without(left, events.critical(self.locus, self.curve.further(z)))
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(self.locus, a, b)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.outcome import Outcome, Verified
+from contin.continuation import march as generic
+from contin.continuation.outcome import Failure, Outcome, Verified
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
@@ -22,6 +23,7 @@ from contin.loci.shooting.curve import ShootingCurve
 from contin.loci.shooting.grazing import GrazingCurve
 from contin.loci.shooting.sensitivity import error_of_equations
 from contin.loci.shooting.shot_curves import OfShotOrbits
+from contin.loci.tolerances import ONE_CORRECTION
 from contin.machine import elementary
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.codimension_two import has_coefficients, with_coefficients
@@ -83,6 +85,12 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         found = super().probe(base, length, guess, frame, settings)
+        if found is None:
+            offset = (guess - base.z) / frame.scale
+            nearer = generic.correct(self, base.z, base.tangent, length, offset, frame.scale, ONE_CORRECTION)
+            if isinstance(nearer, Failure):
+                return None
+            found = super().probe(base, length, nearer.z, frame, settings)
         if found is None or not criticality.is_measured(self.curve, base):
             return found
         return criticality.measured(self.curve, found, frame.scale)

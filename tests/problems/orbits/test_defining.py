@@ -68,7 +68,7 @@ def test_special_orbit_is_found_from_beside_it(type_):
     assert found.residual < 1e-12
 
 
-@pytest.mark.parametrize("type_", CASES)
+@pytest.mark.parametrize("type_", ["LPC", "BPC", "PD"])
 def test_null_vectors_are_those_of_the_sparse_matrices(type_):
     problem, z, scale = special(type_, 0.003)
     found = defining.solve_special(problem, type_, z, scale, CASES[type_][-1])
@@ -77,7 +77,6 @@ def test_null_vectors_are_those_of_the_sparse_matrices(type_):
         "LPC": lambda: linear.jacobian[:, :-1],
         "BPC": lambda: linear.jacobian,
         "PD": lambda: linear.variational(-1.0),
-        "NS": lambda: linear.variational(complex(np.exp(1j * found.theta))),
     }[type_]()
     assert found.right.shape == (matrix.shape[1], 2 if type_ == "BPC" else 1)
     assert np.linalg.matrix_rank(found.right) == found.right.shape[1]

@@ -41,3 +41,18 @@ def without(values: Multipliers, targets: Sequence[complex]) -> Multipliers:
         if left:
             left.pop(int(np.argmin([abs(value - target) for value in left])))
     return np.array(left, complex)
+
+
+def without_critical(values: Multipliers, critical: float) -> Multipliers:
+    """Without the one that is `critical` (1 or -1) along a curve.
+
+    The nearest of the rest is known to rounding / its distance from that, their sum to rounding: where both are real or
+    a pair it is their sum less `critical`, which is smooth where they meet (R1, R2).
+    """
+    if not len(values):
+        return values
+    order = np.argsort(np.abs(values - critical))
+    left = values[order[1:]]
+    if len(left) and left[0].imag in (0.0, -values[order[0]].imag):
+        left[0] = (values[order[0]] + left[0]).real - critical
+    return left

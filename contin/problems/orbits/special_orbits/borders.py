@@ -47,6 +47,9 @@ def set_borders(type_: str, work: Work, units: Array, further: float) -> None:
         one = np.eye(n)
         critical = monodromy + one
         if type_ == "NS":
+            flow = work.memory.section * sizes  # a unit vector of autonomous flows, else zero
+            across = one - np.outer(flow, flow)
+            monodromy = across @ monodromy @ across
             critical = monodromy @ monodromy - 2.0 * further * monodromy + one
         vectors, _, null = np.linalg.svd(critical)
         start = null[::-1][:2]

@@ -14,7 +14,6 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Failure
-from contin.machine import elementary
 from contin.problems.orbits.special_orbits import borders
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 
@@ -69,14 +68,13 @@ class HeldCurve(OrbitCurve):
         return HeldStep(step, float(np.max(np.abs(memory.G[:size]))), memory.v.copy(), memory.y.copy())
 
     def null_vectors(self, at: HeldStep, z: Array, scale: Array) -> Any:
-        """(nu, 1) of PD and NS, (nu + 1, 1) of LPC, (nu + 2, 2) of BPC: what is singular at z, where the step was
-        found, sends to zero; in scaled (u, T, p)."""
+        """(nu, 1) of PD, (nu + 1, 1) of LPC, (nu + 2, 2) of BPC: what is singular at z, where the step was found,
+        sends to zero; in scaled (u, T, p). None of NS, whose functions are those of the flow across the orbit."""
         nodes = self.nodes(z)
         units = np.append(scale[: nodes + 1], 1.0)
         if self.type == "PD":
             return (at.v[:1, :nodes] / units[:nodes]).T
-        if self.type == "NS":  # v(2) - 2 k v(1) + v(0) = 0 has the factors v(1) - exp(+-i theta) v(0)
-            turned = at.v[1, :nodes] - elementary.exp(-1j * self.theta(z)) * at.v[0, :nodes]
-            return (turned / units[:nodes])[:, None]
+        if self.type == "NS":
+            return np.empty((nodes, 0))
         count = nodes + (1 if self.type == "LPC" else 2)
         return (at.y[2 : 3 + self.extra, :count] / units[:count]).T
