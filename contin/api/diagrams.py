@@ -21,6 +21,7 @@ from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.machine.one_thread import one_thread
 from contin.model.advice import place_of_parameter
 from contin.model.kinds import need_time
 from contin.problems.sparse.as_dense import SMALL
@@ -43,6 +44,7 @@ EVERYWHERE: Final = "all"  # the start of a diagram that stands for all equilibr
 SHOWN: Final = 6  # states whose bounds are told
 
 
+@one_thread
 def diagram(
     model: Any,
     parameter: str,
@@ -105,6 +107,7 @@ def diagram(
     return result
 
 
+@one_thread
 def phase(
     model: Any,
     pair: Sequence[str],

@@ -12,6 +12,7 @@ from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
 from contin.lazy import module
+from contin.machine.one_thread import one_thread
 from contin.model.kinds import need_states
 from contin.problems.sparse.from_model import sparse_function
 from contin.records import Record
@@ -23,6 +24,7 @@ from contin.systems.iterate import iterate
 DENSE_UP_TO = 1000  # states of maps
 
 
+@one_thread
 def equilibrium(
     model: Any,
     start: str | Record | None = None,

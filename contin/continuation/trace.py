@@ -35,6 +35,7 @@ from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
 from contin.machine.freed import give_back
+from contin.machine.one_thread import one_thread
 from contin.records import Fields, Record
 
 Watcher = Callable[[Record], None]
@@ -49,6 +50,7 @@ class _ArmRecord:
     accepted: int
 
 
+@one_thread
 def trace(
     seed: Seed, bounds: tuple[float, float], *, name: str = "branch", settings: Settings | None = None,
     targets: Sequence[Wanted] = (), watch: Watcher | None = None, journal: Journal | None = None,

@@ -14,6 +14,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.continuation.stored_problem import StoredProblem
 from contin.errors import InputError
+from contin.machine.one_thread import one_thread
 from contin.transitions.registry import Explored, at_point, known_labels
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 LEVEL: Final = 1e-5  # scaled slope of the parameter along a branch, so small that it is the one that turns
 
 
+@one_thread
 def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that start at a point of this problem's branch, with `parameter` free."""
     point = as_computed(point)
@@ -47,6 +49,7 @@ def _level(seed: Seed) -> Seed:
     return replace(seed, direction=np.append(seed.direction[:-1], 0.0))
 
 
+@one_thread
 def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str], orbits: bool = True) -> list[Seed]:
     """Seeds of the curves in two (three) parameters that pass through a point of this problem's branch.
 
@@ -72,6 +75,7 @@ def explored(problem: Problem, point: SpecialPoint) -> Explored | None:
     return None if rule is None or (rule.when is not None and not rule.when(problem)) else rule
 
 
+@one_thread
 def departures(problem: Problem, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
     """Everything that is born at a labelled point, for the explorer."""
     rule = explored(problem, point)
