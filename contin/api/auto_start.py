@@ -7,10 +7,11 @@ solution is said.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Final
+from functools import partial
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -48,7 +49,7 @@ ITERATES: Final = 4_096
 LONGEST_CYCLE: Final = 32  # of a map
 REPEATS: Final = 1e-6  # relative difference of an iterate and itself a cycle later
 SAME_POINT: Final = 1e-7  # ... of a point of a solved cycle and itself a part of the cycle later, if it repeats
-Solution = Equilibrium | PeriodicOrbit | ShotOrbit
+Solution = Equilibrium | LargeEquilibrium | PeriodicOrbit | ShotOrbit
 _FAILURES: Final = (NoSolutionError, NotFiniteError, np.linalg.LinAlgError)
 
 
@@ -92,10 +93,10 @@ def _found(model: Any, parameters: Record | None, start: Any, cycles: bool, defl
     large = _as_large(model, u, p)
     if system.kind == "map":
         ways = _of_map(system, u, p, periods, tried)
-    elif large is not None:
-        ways = _of_large_flow(large, u, p, tried, system if cycles and system.n <= MOST else None, periods)
     else:
-        ways = _of_flow(system, u, p, periods, cycles, tried)
+        flow = _small(system, u, p, periods) if large is None else _large(large, u, p)
+        cycle = partial(_cycle, system, p, periods, tried) if cycles and (large is None or system.n <= MOST) else None
+        ways = _of_flow(flow, u, cycle, tried)
     for one in ways:
         return one
     if deflate and large is None:
@@ -106,27 +107,56 @@ def _found(model: Any, parameters: Record | None, start: Any, cycles: bool, defl
     raise NoSolutionError(f"no equilibrium {'or cycle ' if cycles else ''}found: {'; '.join(tried)}.")
 
 
-def _of_flow(system: Any, u: Array, p: Array, periods: Array, cycles: bool, tried: list[str]) -> Iterator[FoundStart]:
-    here = _solved(system, u, p, periods, AT_REST)
+class _Flow(NamedTuple):
+    """What is asked of a flow, of few states or of many."""
+
+    given: Callable[[], Solution | None]  # the equilibrium that the given state is one of
+    relaxed: Callable[[], Relaxed]
+    solved: Callable[[Array], Solution | None]  # the equilibrium that Newton's method finds from a state
+
+
+def _of_flow(
+    flow: _Flow, u: Array, cycle: Callable[[Array], Iterator[FoundStart]] | None, tried: list[str]
+) -> Iterator[FoundStart]:
+    """cycle : from a state on or near one; None where cycles are not looked for."""
+    here = flow.given()
     if here is not None:
         yield FoundStart(here, "given", "the given state is at rest")
-    end = relax(system, u, p)
-    if end.outcome == "rest":
-        rest = _solved(system, end.u, p, periods, None)
-        if rest is not None:
-            kind = "" if end.stable else ", an unstable one"
-            yield FoundStart(rest, "rest", f"simulated to rest{kind}, within t = {end.time:.3g}")
+    end = flow.relaxed()
+    rest = flow.solved(end.u) if end.outcome == "rest" else None
+    if rest is not None:
+        kind = "" if end.stable else ", an unstable one"
+        yield FoundStart(rest, "rest", f"simulated to rest{kind}, within t = {end.time:.3g}")
     tried.append(_words(end))
-    if end.outcome == "moving" and cycles:
-        yield from _cycle(system, end.u, p, periods, tried)
+    if end.outcome == "moving" and cycle is not None:
+        yield from cycle(end.u)
     for guess, what in ((end.u, "the end of the trajectory"), (end.mean, "its mean"), (u, "the given state")):
-        found = None if guess is None or not np.all(np.isfinite(guess)) else _solved(system, guess, p, periods, None)
+        found = None if guess is None or not np.all(np.isfinite(guess)) else flow.solved(guess)
         if found is not None:
             yield FoundStart(found, "newton", f"Newton's method from {what}; {'; '.join(tried)}")
     tried.append("Newton's method from there, its mean and the given state does not converge")
 
 
-def _cycle(system: Any, u: Array, p: Array, periods: Array, tried: list[str]) -> Iterator[FoundStart]:
+def _small(system: Any, u: Array, p: Array, periods: Array) -> _Flow:
+    given, anywhere = (partial(_solved, system, p=p, periods=periods, near=near) for near in (AT_REST, None))
+    return _Flow(lambda: given(u), lambda: relax(system, u, p), anywhere)
+
+
+def _large(system: FunctionSystem, u: Array, p: Array) -> _Flow:
+    def solved(guess: Array) -> LargeEquilibrium | None:
+        with suppress(*_FAILURES):  # that is the answer: none
+            return converge_large(system, guess, p)
+        return None
+
+    def given() -> LargeEquilibrium | None:
+        here = solved(u)
+        near = here is not None and float(np.max(np.abs(here.u - u) / sizes(system, u, p))) <= AT_REST
+        return here if near else None
+
+    return _Flow(given, lambda: relax_large(system, u, p, solved), solved)
+
+
+def _cycle(system: Any, p: Array, periods: Array, tried: list[str], u: Array) -> Iterator[FoundStart]:
     """From a state on or near a cycle."""
     try:
         orbit = settled_orbit(system, u, p, periods, longest=LONGEST, budget=BUDGET)
@@ -151,34 +181,6 @@ def _as_large(model: Any, u: Array, p: Array) -> FunctionSystem | None:
     else:
         one = sparse_function(model, u, p)
     return None if one is None or one.kind != "flow" or one.n <= SMALL else one.system()
-
-
-def _of_large_flow(
-    system: FunctionSystem, u: Array, p: Array, tried: list[str], of_cycles: Any, periods: Array
-) -> Iterator[FoundStart]:
-    """of_cycles: the system that cycles are looked for with; None where they are not."""
-
-    def solved(guess: Array) -> LargeEquilibrium | None:
-        with suppress(*_FAILURES):  # that is the answer: none
-            return converge_large(system, guess, p)
-        return None
-
-    here = solved(u)
-    if here is not None and float(np.max(np.abs(here.u - u) / sizes(system, u, p))) <= AT_REST:
-        yield FoundStart(here, "given", "the given state is at rest")
-    end = relax_large(system, u, p, solved)
-    rest = solved(end.u) if end.outcome == "rest" else None
-    if rest is not None:
-        kind = "" if end.stable else ", an unstable one"
-        yield FoundStart(rest, "rest", f"simulated to rest{kind}, within t = {end.time:.3g}")
-    tried.append(_words(end))
-    if end.outcome == "moving" and of_cycles is not None:
-        yield from _cycle(of_cycles, end.u, p, periods, tried)
-    for guess, what in ((end.u, "the end of the trajectory"), (end.mean, "its mean"), (u, "the given state")):
-        found = None if guess is None or not np.all(np.isfinite(guess)) else solved(guess)
-        if found is not None:
-            yield FoundStart(found, "newton", f"Newton's method from {what}; {'; '.join(tried)}")
-    tried.append("Newton's method from there, its mean and the given state does not converge")
 
 
 def _stiff_cycle(system: Any, u: Array, p: Array, periods: Array) -> PeriodicOrbit | None:

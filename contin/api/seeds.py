@@ -34,8 +34,8 @@ class Start(Protocol):
 
 
 @runtime_checkable
-class FoundStart(Protocol):
-    """What a search found."""
+class WithEquilibrium(Protocol):
+    """What a search of a box found."""
 
     @property
     def equilibrium(self) -> Start:
@@ -90,7 +90,7 @@ def as_seed(start: object, parameter: str) -> Seed:
         return as_seed(start[0], parameter)
     if isinstance(start, FunctionProblem | Model):
         start = equilibrium(start)
-    if not isinstance(start, Seed) and isinstance(start, FoundStart):
+    if not isinstance(start, Seed) and isinstance(start, WithEquilibrium):
         start = start.equilibrium
     if isinstance(start, Seed):
         if start.problem.parameters[0] != parameter:

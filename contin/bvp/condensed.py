@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Condensed:
-    """Scaled residual and M = [J; t^T] at a point, factorised (see `contin.continuation.march.Linearisation`)."""
+    """Scaled residual and M = [J; t^T] at a point, factorised (see `contin.continuation.corrector.Linearisation`)."""
 
     residual: Array  # (size - 1,) collocation rows by interval, conditions, T - 1, and zeros for the mesh
     sign: float

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -20,10 +21,11 @@ from contin.bvp.on_mesh import OnMesh
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError
+from contin.linalg.newton import longest_part
 from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.layout import make_scale
-from contin.problems.sparse.reduced_equation import Reduced
-from contin.problems.sparse.zero_on_curve import secant
+from contin.problems.sparse.reduced_equation import Reduced, border_rows
+from contin.problems.sparse.zero_on_curve import zero_on_curve
 from contin.records import Fields
 
 if TYPE_CHECKING:
@@ -148,7 +150,7 @@ class Chain:
 
 
 def _fold(problem: BoundaryEquations, near: Sample, frame: Frame) -> Found | Rejected:
-    found = secant(Chain(problem), near, frame, lambda at: float(at.tangent[-1]))
+    found = zero_on_curve(Chain(problem), near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return unverified("LP", "the parameter does not turn at one point of the curve")
     at, error = found.at, found.error
@@ -167,15 +169,10 @@ def reduction(
     q = null_vector(mesh, x) if q is None else q
     null = np.append(q, 0.0) / scale
     null /= norm(null)
-    other = tangent - (tangent @ null) * null
-    if norm(other) < 1e-6:
-        other = np.append(np.zeros(mesh.n), 1.0)
-    other /= norm(other)
-    rows = np.column_stack([null, other]) / scale[:, None]
     linear = mesh.linear(x)
     assert linear is not None
     left = linear.factor.solve_transposed(q)
-    return Reduced(mesh, rows, left / norm(left), scale), q
+    return Reduced(mesh, border_rows(null[:, None], tangent, scale), left / norm(left), scale), q
 
 
 def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = None) -> Found | Rejected:
@@ -263,7 +260,7 @@ def embedded(mesh: OnMesh, x: Array) -> Array:
 
 
 def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
-    """Newton with the parameter fixed, damped by the natural monotonicity test (Deuflhard 2004); None: failed."""
+    """Damped Newton's method with the parameter fixed; None where it fails."""
     fixed = np.zeros_like(scale)
     fixed[-1] = 1.0
     z = guess.copy()
@@ -281,17 +278,12 @@ def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: 
             return z if size >= before else _moved(z, scale, step, value)
         if 0.1 * before < size < BLURRED and met_to_rounding(problem, z):  # (shrinking steps are no noise)
             return z
-        damping = min(1.0, 4.0 * damping)
-        while True:
-            trial = _moved(z, scale, damping * step, value)
-            left = residual_at(problem, trial)
-            again = np.inf if left is None else norm(here.solve(np.append(-left, 0.0)))
-            if again <= (1.0 - 0.25 * damping) * size or again < STALLED or _smaller(left, here.residual, again):
-                break
-            damping *= 0.5
-            if damping < SHORTEST:
-                return z if size < BLURRED and met_to_rounding(problem, z) else None
-        z, before = trial, size if damping == 1.0 else np.inf
+        ahead = partial(_ahead, problem, here, z, scale, step, value)
+        found = longest_part(ahead, size, STALLED, min(1.0, 4.0 * damping), SHORTEST)
+        if found is None:
+            return z if size < BLURRED and met_to_rounding(problem, z) else None
+        damping, z = found
+        before = size if damping == 1.0 else np.inf
     return None
 
 
@@ -333,9 +325,17 @@ def met_to_rounding(problem: BoundaryEquations, z: Array) -> bool:
     return bool(np.all(np.abs(here.residual) <= ROUNDING * terms))
 
 
-def _smaller(left: Array | None, residual: Array, again: float) -> bool:
-    """Whether a full Newton step has worked although the next one is no shorter: F_u is nearly singular there."""
-    return left is not None and again < BLURRED and norm(left) < FALLEN * norm(residual)
+def _ahead(
+    problem: BoundaryEquations, here: Condensed, z: Array, scale: Array, step: Array, value: float, part: float
+) -> tuple[float, Array] | None:
+    """The length of the next step after a part of this one, and the place; 0 where a step has worked although the next
+    one is no shorter: F_u is nearly singular there."""
+    there = _moved(z, scale, part * step, value)
+    left = residual_at(problem, there)
+    if left is None:
+        return None
+    again = norm(here.solve(np.append(-left, 0.0)))
+    return 0.0 if again < BLURRED and norm(left) < FALLEN * norm(here.residual) else again, there
 
 
 def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:

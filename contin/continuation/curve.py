@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
+
+BUDGET: Final = 80  # of points, in a bracket that becomes narrower
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,7 @@ class Stretch:
         return norm((a.z - b.z) / self.frame.scale)
 
     def zero(
-        self, value: Callable[[Sample], float], a: Sample, b: Sample, accuracy: float, budget: int = 80
+        self, value: Callable[[Sample], float], a: Sample, b: Sample, accuracy: float
     ) -> tuple[Sample, Sample]:
         """Bracket of a sign change of `value` between a and b, narrowed to `accuracy` in s (secant inside bisection).
 
@@ -98,7 +101,7 @@ class Stretch:
         s_a, s_b = self.length_of(a), self.length_of(b)
         width = abs(s_b - s_a)
         bisect, beyond, rough = False, False, False
-        for _ in range(budget):
+        for _ in range(BUDGET):
             if width <= accuracy or f_b == 0.0:
                 break
             fraction = 0.5

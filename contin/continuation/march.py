@@ -7,93 +7,34 @@ problem's own linear algebra, which it offers as a `Linearisation` at a point.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Protocol, cast, runtime_checkable
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.corrector import (
+    EQUILIBRIA,
+    Again,
+    Correctable,
+    Corrected,
+    Decisions,
+    Linearisation,
+    correct,
+    offers,
+)
 from contin.continuation.extrapolation import REACH, cubic
 from contin.continuation.outcome import Failure
 from contin.continuation.problem import InTwoParameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels import steering
-from contin.kernels.steering import AT_CORNER, RESCALE_AT, STAGNATION, STRAYED, TURNED, is_dip
+from contin.kernels.steering import AT_CORNER, RESCALE_AT, STRAYED, TURNED, is_dip
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
-NEWTON_LIMIT = 7
-CLOSE = 1e-4  # a matrix serves for points this near
-FAR = 0.05  # a first correction beyond this is found with a new matrix
 LANDED = 1e-9
-
-
-@dataclass(frozen=True)
-class Decisions:
-    """What a march decides with; defaults are those of equilibria.
-
-    wanted : length of the first correction that sets the next step, which is of the order `order` in the step.
-    iterations : above so many the step shrinks.  guarded, dips : first test that is compared with its prediction, and
-    that is looked at for dips.  signed : tests that change sign or vanish are not compared.
-    close : a matrix serves again for points this near, ...  patience : ... for so many corrections that are left at the
-    rate of the last two.  old : the last step's serves for a first correction below this part of the step.
-    off : tangents and tests want a matrix from no farther than that.  cubic : steps are predicted by the cubic through
-    two points and their tangents, where corrections are dear; else by the last tangent and its change.
-    """
-
-    wanted: float = 0.02
-    order: float = 3.0
-    iterations: float = 3.0
-    guarded: int = 1
-    signed: bool = False
-    dips: int = 0
-    close: float = CLOSE
-    patience: float = np.inf
-    old: float = np.inf
-    off: float = np.inf
-    cubic: bool = False
-
-
-EQUILIBRIA = Decisions()
-IN_TWO_PARAMETERS = Decisions(guarded=2, signed=True, dips=2)  # tests 0 and 1 are of the curve, not of its points
-
-
-class Linearisation(Protocol):
-    """The scaled equations at a point with the border row [tangent]: M = [J; t^T]."""
-
-    @property
-    def residual(self) -> Array:
-        """Scaled F, (n,)."""
-
-    @property
-    def sign(self) -> float:
-        """Of det M, 0 where M is singular."""
-
-    @property
-    def log_determinant(self) -> float:
-        """log |det M|"""
-
-    def solve(self, right: Array) -> Array:
-        """M x = right, (n + 1,)."""
-
-
-class Judged(Protocol):
-    """A linearisation that knows how well the equations are met where it was made."""
-
-    @property
-    def met(self) -> bool:
-        """True where what is left of every equation is small beside its linear terms."""
-
-
-class Correcting(Protocol):
-    """A linearisation that solves for corrections as precisely as Newton's method can use."""
-
-    def correction(self, right: Array, tolerance: float) -> Array:
-        """See `Linearisation.solve`; the last correction is to be shorter than the tolerance."""
 
 
 class Telling(Protocol):
@@ -101,29 +42,6 @@ class Telling(Protocol):
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """See `Marchable.stability`."""
-
-
-@cache
-def _offers(kind: type, name: str) -> bool:
-    """Whether linearisations of a class offer more; asked once a class, for it takes as long as a small solve."""
-    return any(name in base.__dict__ for base in kind.__mro__)
-
-
-class Correctable(Protocol):
-    """What Newton's method on a plane needs of a problem."""
-
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Linearisation | None:
-        """None where the equations are not finite."""
-
-
-@runtime_checkable
-class Sparing(Correctable, Protocol):
-    """A problem whose matrices cost so many solves that they serve for more than one correction."""
-
-    decisions: Decisions
-
-    def again(self, here: Linearisation, z: Array) -> Linearisation | None:
-        """The same matrix with the residual at another point."""
 
 
 class Marchable(Correctable, Protocol):
@@ -134,97 +52,6 @@ class Marchable(Correctable, Protocol):
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Test functions from index 2 on, the number of unstable eigenvalues, and the eigenvalues."""
-
-
-@dataclass(frozen=True, eq=False)
-class Corrected:
-    """Newton's result on the plane: the point, the last linearisation, and how hard it was.
-
-    off : the (scaled) length from where `last` was made to the point.
-    """
-
-    z: Array
-    y: Array
-    last: Linearisation
-    first_correction: float
-    iterations: int
-    off: float = 0.0
-
-
-Again = Callable[[Linearisation, Array], Linearisation | None]  # the same matrix with the residual at another point
-
-
-def correct(
-    problem: Correctable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float,
-    again: Again | None = None, before: Linearisation | None = None,
-    decisions: Decisions = EQUILIBRIA,
-) -> Corrected | Failure:  # fmt: skip
-    """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; or why it failed.
-
-    With `again`, matrices serve twice: that of the last step (`before`) for the first iteration, and the first new one
-    for what is left to correct after it, as far as `decisions` say. The result's own matrix is from nearby.
-    """
-    size_before, first, off = np.inf, 0.0, 0.0
-    far = min(FAR, decisions.old * abs(length)) if length else FAR
-    slow = False  # at the last rate, chords would be too many
-    once_more = True  # where the last matrix may be another one than that of the point
-    here, fresh, compare = before, False, False  # compare: the last step was Newton's, so this one must be shorter
-    limit = NEWTON_LIMIT if decisions.patience == np.inf else NEWTON_LIMIT + int(decisions.patience)
-    for iteration in range(1, limit + 1):
-        z = z0 + scale * y
-        now = None
-        serves = size_before < decisions.close and not slow if fresh else iteration == 1
-        if again is not None and here is not None and serves:
-            now = again(here, z)
-        chord = now is not None
-        if now is None:
-            now, fresh = problem.linearisation(z, tangent, scale), True
-        if now is None:
-            return Failure.NOT_FINITE
-        if now.sign == 0:
-            return Failure.SINGULAR
-        step = _correction(now, np.append(-now.residual, length - dot(tangent, y)), tolerance)
-        size = norm(step)
-        if not fresh and not size < far:  # too far for the old matrix
-            here = None
-            continue
-        if not size < 1e3:
-            return Failure.DIVERGED
-        here = here if chord else now
-        off = off + size if chord else size
-        y = y + step
-        first = size if first == 0.0 else first
-        ratio = size / size_before if size_before > 0.0 else 0.0
-        left = size * ratio if chord else size * ratio * ratio
-        slow = chord and _too_slow(size, ratio, tolerance, decisions.patience)
-        met = not _offers(type(now), "met") or cast(Judged, now).met
-        done = size <= tolerance and (met or not once_more or iteration == limit)
-        done = done or (met and size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
-        if not done and compare and ratio > 0.5:
-            if not (size < STAGNATION and first > size):
-                return Failure.NO_CONTRACTION
-            done = True
-        once_more = once_more and size > tolerance
-        if done:
-            made = here if fresh else None
-            last = problem.linearisation(z0 + scale * y, tangent, scale) if made is None else made
-            if last is None:
-                return Failure.NOT_FINITE
-            iterations = iteration - int(before is not None)
-            return Corrected(z0 + scale * y, y, last, first, iterations, 0.0 if made is None else off)
-        size_before, compare = size, fresh
-    return Failure.NO_CONVERGENCE
-
-
-def _correction(here: Linearisation, right: Array, tolerance: float) -> Array:
-    if _offers(type(here), "correction"):
-        return cast(Correcting, here).correction(right, tolerance)
-    return here.solve(right)
-
-
-def _too_slow(size: float, ratio: float, tolerance: float, patience: float) -> bool:
-    """Whether corrections that fall by `ratio` take more than `patience` to reach a tolerance."""
-    return patience < np.inf and (ratio >= 1.0 or size * float(elementary.pow(ratio, patience)) > tolerance)
 
 
 def with_one_fixed(
@@ -264,7 +91,7 @@ def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
     t = t / length
     exponent = found.last.log_determinant + elementary.log(length) - reference
     determinant = found.last.sign * elementary.exp(min(max(exponent, -700.0), 700.0))
-    look: Marchable | Telling = cast(Telling, found.last) if _offers(type(found.last), "stability") else problem
+    look: Marchable | Telling = cast(Telling, found.last) if offers(type(found.last), "stability") else problem
     tests, unstable, eigenvalues = look.stability(found.z)
     return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
 

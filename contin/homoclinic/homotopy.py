@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.march import correct
+from contin.continuation.corrector import correct
 from contin.continuation.outcome import Failure
 from contin.errors import InputError, NoSolutionError
 from contin.homoclinic.equations import ConnectionCurve
@@ -29,7 +29,7 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import UNBOUNDED
 
 if TYPE_CHECKING:
-    from contin.continuation.march import Corrected
+    from contin.continuation.corrector import Corrected
 
 NEAR: Final = 0.02  # distance of the ends, relative to the orbit's extent, that Newton's method needs no homotopy for
 STEPS: Final = 60

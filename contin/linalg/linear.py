@@ -72,6 +72,11 @@ class Linear(Protocol):
         """A - shift M."""
 
 
+def fastest_rate(linear: Linear, sizes: NDArray[np.float64]) -> float:
+    """The largest row sum of |A| in units of sizes (n,): no motion of A is faster, in any units of the states."""
+    return float(np.max(linear.magnitude(sizes) / sizes))
+
+
 def moving(linear: Linear) -> NDArray[np.bool_] | slice:
     """The states with mass, over which vectors of normal forms have length 1."""
     return slice(None) if linear.mass is None else np.diff(linear.mass.indptr) > 0

@@ -78,6 +78,25 @@ def by_steps(
     return newton(correct, start, rules)
 
 
+def longest_part(
+    look: Callable[[float], tuple[float, T] | None], size: float, enough: float, first: float = 1.0,
+    shortest: float = 1e-4,
+) -> tuple[float, T] | None:  # fmt: skip
+    """The longest of the parts `first`, half of it, ... of a step that brings a solution nearer, and what is there.
+
+    By natural monotonicity (Deuflhard, Newton Methods for Nonlinear Problems, 2004, 3.3): the next step by the same
+    matrix, of which `look` tells the length, is at most 1 - part/4 times as long as this one (`size`), or less than
+    `enough`. None where no part above `shortest` is, or has a value.
+    """
+    part = first
+    while part > shortest:
+        found = look(part)
+        if found is not None and (found[0] <= (1.0 - 0.25 * part) * size or found[0] < enough):
+            return part, found[1]
+        part *= 0.5
+    return None
+
+
 def solution(matrix: Array, right: Array) -> Array | None:
     """matrix^-1 right; None where LAPACK finds the matrix singular: then Newton's method does not converge."""
     try:

@@ -21,7 +21,7 @@ from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve
 from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, HybridOrbits, judged, renamed, solved_twice
-from contin.problems.hybrid.sampling import HybridProfile, extremes
+from contin.problems.hybrid.sampling import HybridProfile, orbit_columns
 from contin.problems.two_parameters import TwoParameterProblem
 
 if TYPE_CHECKING:
@@ -169,14 +169,7 @@ class HybridLocus(TwoParameterProblem):
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
-        columns = self.parameter_columns(z)
-        pairs = [self.at(row) for row in z]
-        passages = [family.passage(orbit) for family, orbit in pairs]
-        columns["period"] = np.array([np.nan if p is None else p.period for p in passages])
-        names = (*self.system.state_names, *self.system.observable_names)
-        ranges = np.array([extremes(family, orbit) for family, orbit in pairs]).reshape(len(z), 2, len(names))
-        for k, name in enumerate(names):
-            columns[f"{name}.min"], columns[f"{name}.max"] = ranges[:, 0, k], ranges[:, 1, k]
+        columns = self.parameter_columns(z) | orbit_columns(self.system, [self.at(row) for row in z])
         own = self.fixed.columns(z)
         return columns | {name: own[name] for name in OWN if name in own}
 

@@ -65,19 +65,17 @@ def relations_on_orbits(
     return tuple(found)
 
 
-def relations_on_states(
-    model: Model, texts: Sequence[str], problems: Problems, path: Path = ()
-) -> tuple[Relation, ...]:
+def relations_on_states(model: Model, texts: Sequence[str], problems: Problems) -> tuple[Relation, ...]:
     """Conditions on equilibria: formulas in states, observables and parameters."""
     found = []
     for k, text in enumerate(texts):
-        left, sign, right = _sides(text, problems, (*path, k))
+        left, sign, right = _sides(text, problems, (k,))
         if not sign:
             continue
         try:
             residual = sub(model.expression(left), model.expression(right))
         except InputError as error:
-            problems.add((*path, k), str(error))
+            problems.add((k,), str(error))
             continue
         found.append(Relation(" ".join(text.split()), residual))
     return tuple(found)

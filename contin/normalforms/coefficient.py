@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 ROUNDING: Final = 1e-10  # error of a coefficient beside the sum of the moduli of its terms
@@ -25,7 +25,13 @@ class Coefficient:
 
     def error(self, finer: Coefficient) -> float:
         """From the same coefficient by another discretisation (a finer mesh, a longer difference)."""
-        moved = abs(self.value - finer.value)
-        if not self.signed:
-            moved = min(moved, abs(self.value + finer.value))
-        return ROUNDING * max(self.size, finer.size) + SAFETY * moved + max(self.noise, finer.noise)
+        noise = max(self.noise, finer.noise)
+        return ROUNDING * max(self.size, finer.size) + SAFETY * self._apart(finer) + noise
+
+    def with_noise_from(self, other: Coefficient) -> Coefficient:
+        """The same with the change to `other` as noise, which has other differences for its derivatives."""
+        return replace(self, noise=SAFETY * self._apart(other))
+
+    def _apart(self, other: Coefficient) -> float:
+        moved = abs(self.value - other.value)
+        return moved if self.signed else min(moved, abs(self.value + other.value))

@@ -70,6 +70,13 @@ class Cycle(Protocol):
         """v (a solution) and, where the phase does not drift along it, p, v' = A v; None: M v' = A v + M u0'."""
 
 
+def coefficient(cycle: Cycle, type_: str, theta: float) -> Coefficient:
+    """b of LPC, c of PD or d of NS.  theta : the angle of the multipliers of NS."""
+    if type_ == "LPC":
+        return fold(cycle)
+    return period_doubling(cycle) if type_ == "PD" else torus(cycle, theta)
+
+
 def fold(cycle: Cycle) -> Coefficient:
     """b = <p, B(v, v) / 2 + A v> / <p, M v> with M v' = A v + M u0'; b = <p, B(v, v)> / (2 <p, M v>) with M v' = A v
     where the period does not change across the fold, or is forced.

@@ -104,7 +104,7 @@ def normalise(q: Vector) -> Vector:
     return unit
 
 
-def balance(matrix: Vector, sweeps: int = 12) -> Real:
+def balance(matrix: Vector) -> Real:
     """Powers of two d for which the rows and columns of diag(1/d) matrix diag(d) have off-diagonal parts of like size.
 
     Parlett and Reinsch, Numer. Math. 13 (1969) 293: a change of the states' units that the matrix itself suggests.

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.march import Linearisation
+from contin.continuation.corrector import Linearisation
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary

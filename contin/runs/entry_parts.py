@@ -60,16 +60,19 @@ class EntryParts:
     def has_start(self, name: str) -> bool:
         return any(start.name == name for start in self.model.starts)
 
+    def _is_state(self, name: str, known: Sequence[str], path: Path) -> bool:
+        if name not in known:
+            advice = closest(name, list(known)) or f"there are {', '.join(known)}"
+            self.problems.add(path, f"{self.model.name} has no state {name!r}: {advice}", key=True)
+        return name in known
+
     def box(self, written: Mapping[str, Sequence[Any]] | None, path: Path) -> dict[str, tuple[float, float]] | None:
         """Bounds of states, in numbers."""
         if written is None:
             return None
         box: dict[str, tuple[float, float]] = {}
         for name, (low, high) in written.items():
-            if name not in self.model.state_names:
-                known = list(self.model.state_names)
-                advice = closest(name, known) or f"there are {', '.join(known)}"
-                self.problems.add((*path, name), f"{self.model.name} has no state {name!r}: {advice}", key=True)
+            if not self._is_state(name, self.model.state_names, (*path, name)):
                 continue
             bounds = self.formula(low, (*path, name, 0)), self.formula(high, (*path, name, 1))
             if bounds[0] is not None and bounds[1] is not None:
@@ -90,11 +93,8 @@ class EntryParts:
             return written
         states = dict(written.model_extra or {})
         for name in states:
-            if name not in starting_names(self.model):
-                known = list(starting_names(self.model))
-                advice = closest(name, known) or f"there are {', '.join(known)}"
-                self.problems.add((*path, name), f"{self.model.name} has no state {name!r}: {advice}", key=True)
-            elif not getattr(self.model, "axes", ()):  # formulas in coordinates are read where the start is made
+            known = self._is_state(name, starting_names(self.model), (*path, name))
+            if known and not getattr(self.model, "axes", ()):  # in coordinates: read where the start is made
                 self.formula(states[name], (*path, name))
         for name, value in written.parameters.items():
             if self.known(name, (*path, "parameters", name), key=True):

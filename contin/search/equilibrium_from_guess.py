@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.seed import Seed
 from contin.continuation.told import Told
 from contin.errors import ContinError, NoSolutionError, NotFiniteError
+from contin.linalg.newton import longest_part
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems.equilibria.algebraic import AlgebraicProblem
@@ -248,23 +249,17 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array, again: int
 def _damped(
     evaluate: Callable[[Array], tuple[Array, Array]], u: Array, a: Array, step: Array, scale: Array
 ) -> tuple[Array, Array, Array, float] | None:
-    """(state, f, Jacobian, damping) after the longest part of a Newton step that brings the solution nearer.
-
-    By natural monotonicity: the next step, measured by the old Jacobian a, must be shorter.
-    """
+    """(state, f, Jacobian, damping) after the longest part of a Newton step that brings the solution nearer."""
     unit = np.maximum(scale, np.abs(u))
-    size, damping = float(np.max(np.abs(step) / unit)), 1.0
-    while damping > 1e-4:
-        trial = u + damping * step
-        f_trial, a_trial = evaluate(trial)
-        if np.all(np.isfinite(f_trial)) and np.all(np.isfinite(a_trial)):
-            trial_step = _newton_step(a, f_trial, scale)
-            if trial_step is not None:
-                trial_size = float(np.max(np.abs(trial_step) / unit))
-                if trial_size <= (1.0 - 0.25 * damping) * size or trial_size < ACCEPTABLE:
-                    return trial, f_trial, a_trial, damping
-        damping *= 0.5
-    return None
+
+    def look(part: float) -> tuple[float, tuple[Array, Array, Array]] | None:
+        trial = u + part * step
+        f, matrix = evaluate(trial)
+        ahead = _newton_step(a, f, scale) if np.all(np.isfinite(f)) and np.all(np.isfinite(matrix)) else None
+        return None if ahead is None else (float(np.max(np.abs(ahead) / unit)), (trial, f, matrix))
+
+    found = longest_part(look, float(np.max(np.abs(step) / unit)), ACCEPTABLE)
+    return None if found is None else (*found[1], found[0])
 
 
 def _scale_at(system: System, u: Array, p: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.seed import Seed
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.linalg.linear import Linear
+from contin.linalg.newton import longest_part
 from contin.linalg.vectors import norm
 from contin.problems.sparse.as_dense import SMALL, divided
 from contin.problems.sparse.jacobian import JacobianSource
@@ -69,8 +71,17 @@ def refuse_singular_pencil(linear: Linear, name: str) -> None:
         )
 
 
+def _ahead(
+    system: FunctionSystem, p: Array, linear: Linear, u: Array, step: Array, part: float
+) -> tuple[float, tuple[Array, Array]] | None:
+    """The length of the next step after a part of this one, with the state and F there."""
+    there = u + part * step
+    f = system.value(there, p)
+    return (float(np.max(np.abs(linear.solve(-f)))), (there, f)) if np.all(np.isfinite(f)) else None
+
+
 def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibrium:
-    """Newton at fixed p, with the step halved while the natural monotonicity test fails (Deuflhard 2004)."""
+    """Damped Newton's method at fixed p."""
     source = JacobianSource(system)
     u = np.array(u, dtype=float)
     f = system.value(u, p)
@@ -87,24 +98,17 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
         step = None if linear is None else linear.solve(-f)
         if linear is None or step is None or not np.all(np.isfinite(step)):
             break
-        size = float(np.max(np.abs(step))) / max(float(np.abs(u).max()), float(np.abs(step).max()), 1e-300)
+        largest = max(float(np.abs(u).max()), float(np.abs(step).max()), 1e-300)
+        size = float(np.max(np.abs(step))) / largest
         if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
             return LargeEquilibrium(system, u + step if size < before else u, p, source)
-        damping = 1.0
-        while damping > 1e-4:
-            trial = u + damping * step
-            f_trial = system.value(trial, p)
-            if np.all(np.isfinite(f_trial)):
-                simplified = float(np.max(np.abs(linear.solve(-f_trial))))
-                if simplified <= (1.0 - 0.25 * damping) * float(np.max(np.abs(step))) or simplified < 1e-12:
-                    break
-                if size < ACCEPTABLE:
-                    break
-            damping *= 0.5
-        else:
+        ahead = partial(_ahead, system, p, linear, u, step)
+        enough = np.inf if size < ACCEPTABLE else ACCURATE * largest
+        found = longest_part(ahead, float(np.max(np.abs(step))), enough)
+        if found is None:
             break
-        u, f = trial, f_trial
-        before = size if damping == 1.0 else np.inf
+        part, (u, f) = found
+        before = size if part == 1.0 else np.inf
         history.append(float(np.max(np.abs(f))))
     shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
     raise NoSolutionError(

@@ -9,20 +9,21 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
-from contin.linalg.linear import Linear
+from contin.linalg.copies import EPSILON, ROUNDINGS
+from contin.linalg.linear import Linear, fastest_rate
 from contin.linalg.vectors import norm
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.search.large_equilibrium import LargeEquilibrium
 from contin.simulate.natural import sizes_of
-from contin.simulate.relax import FEWEST, PUSH, PUSHES, STEPS, Relaxed, Resolvent, run
+from contin.simulate.relax import FEWEST, STEPS, Relaxed, Resolvent, Rest, to_rest
 from contin.simulate.with_mass import Weighed
 from contin.systems.functions.function_system import FunctionSystem
 
 EFFORT: Final = 1e8  # steps times entries of the Jacobian
 PART: Final = 0.1
 BESIDE: Final = 1e-6  # relative distance of a shift from its eigenvalue
-Rest = Callable[[Array], LargeEquilibrium | None]
+NEUTRAL: Final = ROUNDINGS * EPSILON  # of the fastest rate: growth that may be rounding of an eigenvalue 0
 
 
 class LargeFlow:
@@ -34,8 +35,7 @@ class LargeFlow:
         if linear is None:
             raise NotFiniteError(system.why_not_finite(u, p) or "the Jacobian is not finite at the start")
         self.sizes = _driven(linear, sizes(system, u, p))
-        rate = float(np.max(linear.magnitude(self.sizes) / self.sizes))
-        self.time = 1.0 / rate if rate > 0.0 else 1.0
+        self.time = 1.0 / (fastest_rate(linear, self.sizes) or 1.0)
 
     def steps(self, u: Array) -> int:
         """How many are worth their cost."""
@@ -78,10 +78,12 @@ def _driven(linear: Linear, size: Array) -> Array:
     return np.asarray(np.maximum(size, driven))
 
 
-def relax_large(system: FunctionSystem, u: Array, p: Array, rest: Rest) -> Relaxed:
+def relax_large(
+    system: FunctionSystem, u: Array, p: Array, solved: Callable[[Array], LargeEquilibrium | None]
+) -> Relaxed:
     """Follow the flow until it rests; off an equilibrium that is unstable it is pushed twice.
 
-    rest : from a state to the equilibrium next to it, None where there is none: its eigenvalues tell its stability.
+    solved : from a state to the equilibrium next to it, None where there is none: its eigenvalues tell its stability.
     """
     if system.model.has_singular_mass:
         try:
@@ -89,22 +91,18 @@ def relax_large(system: FunctionSystem, u: Array, p: Array, rest: Rest) -> Relax
         except InputError:  # an index above 1: Newton's method has to do without a trajectory
             return Relaxed(u, 0.0, "failed")
     flow = LargeFlow(system, u, p)
-    steps, time, used = flow.steps(u), 0.0, 0
-    for attempt in range(PUSHES + 1):
-        end, taken = run(flow, u, steps - used)
-        time, used = time + end.time, used + taken
-        here = rest(end.u) if end.outcome == "rest" else None
+
+    def rest(u: Array) -> Rest | None:
+        here = solved(u)
         if here is None:
-            return Relaxed(end.u, time, end.outcome, mean=end.mean)
-        values = _eigenvalues(here)
-        lead = values[int(np.argmax(values.real))] if len(values) else 0.0
-        if not np.real(lead) > 0.0 or attempt == PUSHES:
-            return Relaxed(here.u, time, "rest", not np.real(lead) > 0.0)
-        direction = _eigenvector(here, complex(lead))
-        if direction is None:
-            return Relaxed(here.u, time, "rest", stable=False)
-        u = here.u + PUSH * direction / float(np.max(np.abs(direction) / np.maximum(np.abs(here.u), flow.sizes)))
-    raise AssertionError("the last attempt returns")
+            return None
+        values, linear = _eigenvalues(here), flow.source.at(here.u, p)
+        lead = complex(values[int(np.argmax(values.real))]) if len(values) else 0.0j
+        if linear is None or not lead.real > NEUTRAL * fastest_rate(linear, flow.sizes):
+            return Rest(here.u, stable=linear is not None)
+        return Rest(here.u, stable=False, fastest=_eigenvector(linear, lead, len(u)))
+
+    return to_rest(lambda _: flow, u, flow.steps(u), rest)
 
 
 def _eigenvalues(here: LargeEquilibrium) -> Array:
@@ -112,13 +110,10 @@ def _eigenvalues(here: LargeEquilibrium) -> Array:
     return np.asarray(problem.stability(np.append(here.u, here.p[0]))[2])
 
 
-def _eigenvector(here: LargeEquilibrium, value: complex) -> Array | None:
+def _eigenvector(linear: Linear, value: complex, n: int) -> Array | None:
     """Its real part, by inverse iteration beside the eigenvalue; None where that fails."""
-    linear = here.source.at(here.u, here.p)
-    if linear is None:
-        return None
     shifted = linear.shifted(value * (1.0 + BESIDE))
-    q = np.random.default_rng(17).normal(size=len(here.u)).astype(float if value.imag == 0.0 else complex)
+    q = np.random.default_rng(17).normal(size=n).astype(float if value.imag == 0.0 else complex)
     for _ in range(3):
         q = shifted.solve(linear.weigh(q / norm(q)))
         if not np.all(np.isfinite(q)):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError
+from contin.linalg.newton import longest_part
 from contin.lowering.system import CompiledSystem
 
 ITERATIONS: Final = 50
@@ -33,14 +35,11 @@ def consistent(system: CompiledSystem, u: Array, p: Array) -> Array:
             break
         if size <= EXACT * largest or (size >= 0.5 * before and before <= CLOSE * largest):
             return np.asarray(here - step)
-        damping = 1.0
-        while not _length(system, here - damping * step, p, weights) <= (1.0 - 0.25 * damping) * left:
-            damping *= 0.5
-            if damping < SHORTEST:
-                break
-        if damping < SHORTEST and size > CLOSE * largest:
+        ahead = partial(_after, system, p, weights, here, step)
+        found = longest_part(ahead, left, 0.0, shortest=SHORTEST)
+        if found is None and size > CLOSE * largest:
             break
-        here, before = here - damping * step if damping >= SHORTEST else here - step, size
+        here, before = here - step if found is None else found[1], size
     names = ", ".join(system.constraints.equations)
     raise NoSolutionError(
         f"no consistent values of the algebraic states near this start: the equations of {names} were not solved by "
@@ -51,6 +50,13 @@ def consistent(system: CompiledSystem, u: Array, p: Array) -> Array:
 def _length(system: CompiledSystem, u: Array, p: Array, weights: Array) -> float:
     """How far the algebraic equations are from being solved, each relative to the start; NaN without a value."""
     return float(np.linalg.norm(weights * system.algebraic(u, p)))
+
+
+def _after(
+    system: CompiledSystem, p: Array, weights: Array, u: Array, step: Array, part: float
+) -> tuple[float, Array]:
+    there = u - part * step
+    return _length(system, there, p, weights), there
 
 
 def consistent_start(system: object, u: Array, p: Array) -> Array:

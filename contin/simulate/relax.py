@@ -48,6 +48,15 @@ class Relaxed:
     mean: Array | None = None  # over time, of what still moves
 
 
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """An equilibrium: whether it is stable, and the direction (n,) in which states leave it fastest, where known."""
+
+    u: Array
+    stable: bool
+    fastest: Array | None = None
+
+
 class Flow(Protocol):
     """M u' = f(u), as the method asks for it; `sizes` (n,) and `time`: natural ones at the start."""
 
@@ -96,22 +105,33 @@ class DenseFlow:
 def relax(system: System, u: Array, p: Array) -> Relaxed:
     """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice."""
     steps = int(np.clip(EFFORT / float(system.n * system.n * system.n), FEWEST, STEPS))
-    u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
-    time, used = 0.0, 0
-    for attempt in range(PUSHES + 1):
-        found, taken = run(DenseFlow(system, u, p), u, steps - used)
-        time, used = time + found.time, used + taken
-        if found.outcome != "rest":
-            return Relaxed(found.u, time, found.outcome, mean=found.mean)
-        _, matrix = system.jacobian(found.u, p)
-        values, vectors = np.linalg.eig(matrix[:, : system.n])
+    p = np.asarray(p, dtype=float)
+
+    def rest(u: Array) -> Rest:
+        values, vectors = np.linalg.eig(system.jacobian(u, p)[1][:, : system.n])
         lead = int(np.argmax(values.real))
         stable = bool(values[lead].real <= STILL * float(np.abs(values).max()))
-        if stable or attempt == PUSHES:
-            return Relaxed(found.u, time, "rest", stable)
-        size = np.maximum(np.abs(found.u), natural_metric(system, found.u, p).states)
-        direction = vectors[:, lead].real
-        u = found.u + PUSH * direction / float(np.max(np.abs(direction) / size))
+        return Rest(u, stable, vectors[:, lead].real)
+
+    return to_rest(lambda u: DenseFlow(system, u, p), np.array(u, dtype=float), steps, rest)
+
+
+def to_rest(flow: Callable[[Array], Flow], u: Array, steps: int, rest: Callable[[Array], Rest | None]) -> Relaxed:
+    """Follow a flow from u until it rests; off an equilibrium that is unstable it is pushed twice.
+
+    flow : with natural sizes at a state.  rest : the equilibrium next to where it has come to rest, None without one.
+    """
+    time, used = 0.0, 0
+    for attempt in range(PUSHES + 1):
+        end, taken = run(flow(u), u, steps - used)
+        time, used = time + end.time, used + taken
+        here = rest(end.u) if end.outcome == "rest" else None
+        if here is None:
+            return Relaxed(end.u, time, end.outcome, mean=end.mean)
+        if here.stable or here.fastest is None or attempt == PUSHES:
+            return Relaxed(here.u, time, "rest", here.stable)
+        size = np.maximum(np.abs(here.u), flow(here.u).sizes)
+        u = here.u + PUSH * here.fastest / float(np.max(np.abs(here.fastest) / size))
     raise AssertionError("the last attempt returns")
 
 

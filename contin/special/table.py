@@ -64,9 +64,9 @@ def function(name: str) -> Any:
 
 
 @cache
-def codes(kind: str, codimension: int = 1) -> tuple[str, ...]:
-    """The types of a codimension on a kind of branch (equilibrium, fixed-point, orbit)."""
-    return tuple(row.code for row in table().values() if row.codimension == codimension and kind in row.on)
+def codes(kind: str) -> tuple[str, ...]:
+    """The types of codimension one on a kind of branch (equilibrium, fixed-point, orbit)."""
+    return tuple(row.code for row in table().values() if row.codimension == 1 and kind in row.on)
 
 
 def test_on_branch(code: str) -> int:

@@ -80,8 +80,5 @@ def _doubling_beside(problem: OrbitLocusProblem, point: SpecialPoint, length: fl
     z = problem.at_unknown(index, guess, float(guess[index]), point.scale)
     if z is None:
         return None, None
-    orbits, orbit = problem.curve.at(z), problem.curve.orbit(z)
-    if axis == 1:
-        orbits = orbits.with_active(problem.parameters[1], orbit)
-        orbit = np.append(orbit[:-1], z[-2])
+    orbits, orbit = problem.curve.family(z, second=axis == 1)
     return orbits, orbit

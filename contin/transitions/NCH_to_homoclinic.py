@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation import march as python_march
+from contin.continuation import corrector
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.outcome import Failure
 from contin.continuation.sample import Frame, Sample
@@ -45,7 +45,7 @@ def through_non_central(problem: ConnectionProblem, point: SpecialPoint, paramet
     widths = dict(zip(problem.parameters, point.scale[[-1, -2]], strict=True))
     scale = other.scale_for(profile.h, sizes, *(float(widths[name]) for name in parameters))
     tangent = np.asarray(other.tangents(z, scale)[0])
-    found = python_march.correct(other.settled(z, scale), z, tangent, 0.0, np.zeros(z.size), scale, NEWTON)
+    found = corrector.correct(other.settled(z, scale), z, tangent, 0.0, np.zeros(z.size), scale, NEWTON)
     if isinstance(found, Failure):
         raise InputError(f"{source}: Newton for the other curve of homoclinic orbits did not converge")
     z = found.z

@@ -16,6 +16,7 @@ from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.orbits.mesh.layout import make_scale
+from contin.transitions.oriented import oriented
 from contin.transitions.registry import Explored, born
 
 
@@ -35,7 +36,7 @@ def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> l
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     cosines = [abs(float((d / scale) @ own)) / norm(d / scale) for d, _ in curves]
     direction, bend = curves[int(np.argmin(cosines))]
-    direction = _oriented(direction, scale)
+    direction = oriented(direction, scale)
     metric = _metric(problem, point, mesh, direction, bend)
     d, c = direction / metric, bend / metric
     length = norm(d)
@@ -46,14 +47,6 @@ def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> l
     full = np.concatenate([metric[:-1], [1.0], np.ones(len(mesh.h)), metric[-1:]])
     return [Seed(replace(problem, spaces={}), point.z.copy(), embedded(mesh, d), curvature, full,
                  parent=Parent(point.branch, point.label))]  # fmt: skip
-
-
-def _oriented(direction: Array, scale: Array) -> Array:
-    """Towards growing parameter; where that does not change, towards the growth of the largest entry."""
-    scaled = direction / scale
-    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * norm(scaled) else 0.0
-    backwards = lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0)
-    return -direction if backwards else direction
 
 
 def _metric(problem: BoundaryProblem, point: SpecialPoint, mesh: OnMesh, direction: Array, bend: Array) -> Array:

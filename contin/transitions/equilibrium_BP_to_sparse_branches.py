@@ -16,6 +16,7 @@ from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.problems.sparse.multiple_kernel import ReducedJet
 from contin.problems.sparse.special_points import kernel_at, reduction
 from contin.problems.symmetry import reversing_symmetries
+from contin.transitions.oriented import oriented
 from contin.transitions.registry import Explored, born
 
 PARALLEL = 0.9999  # cosine from which a direction is the branch's own
@@ -47,10 +48,7 @@ def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) 
 
 def _seed(problem: LargeProblem, point: SpecialPoint, direction: Array, bend: Array) -> Seed:
     """The branch z + s direction + s^2 bend / 2 (raw)."""
-    scaled = direction / point.scale
-    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * norm(scaled) else 0.0
-    if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
-        direction = -direction
+    direction = oriented(direction, point.scale)
     scale = _metric(point.z, direction, bend, point.scale)
     d, c = direction / scale, bend / scale
     length = norm(d)

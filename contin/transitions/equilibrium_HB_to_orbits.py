@@ -19,6 +19,7 @@ from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.equilibria.normal_forms import jet_at
 from contin.problems.orbits.collocated_orbits import PERIOD_SCALE, OrbitProblem
 from contin.problems.orbits.corotating import system_of_orbits
+from contin.problems.orbits.linearised.multipliers import of_rest
 from contin.problems.orbits.mesh.layout import HOPF_INTERVALS, Profile, make_scale, node_times
 from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.large_equilibrium import LargeProblem
@@ -84,7 +85,7 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
         in_kernels(equilibria.system), base, equilibria.active, np.zeros(n), m,
         origin=(float(point.z[-1]), point.z[:-1].copy()),
     )  # fmt: skip
-    multipliers = _multipliers_of_rest(point, cycles.omega, period)
+    multipliers = of_rest(np.asarray(point.eigenvalues), cycles.omega, period)
     return Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)
 
 
@@ -93,16 +94,6 @@ def _turns(m: int) -> NDArray[np.complex128]:
     """e^{2 pi i t} at the nodes of a small cycle's mesh."""
     times = node_times(np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS), m)
     return elementary.exp(1j * (2.0 * np.pi * times))
-
-
-def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tuple[int, Any]:
-    """Unstable count (the critical pair not counted) and multipliers exp(l T) of the equilibrium as an orbit."""
-    values = np.asarray(point.eigenvalues)
-    order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
-    others = values[order[2:]]
-    with np.errstate(over="ignore"):
-        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * period)]).astype(complex)
-    return int(np.sum(others.real > 0.0)), multipliers
 
 
 @born(LargeProblem, "HB", "the periodic orbits", explored=SMALL)

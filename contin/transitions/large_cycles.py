@@ -12,6 +12,7 @@ from contin.machine import elementary
 from contin.problems.large_orbits.large_orbit import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
 from contin.problems.large_orbits.layout import OnPoints
 from contin.problems.large_orbits.radau import STAGES, Trajectory
+from contin.problems.orbits.linearised.multipliers import of_rest
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.systems.functions.function_problem import DENSE_IN_KERNELS
 
@@ -31,14 +32,9 @@ def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> 
     size = float(point.scale[0]) / np.sqrt(n) / float(problem.system.model.typical[0])
     scale = orbits.scale_of(size, np.array([PERIOD_SCALE * rest.period, float(point.scale[-1])]))
     direction = np.append(first.ravel(), [0.0, 0.0]) / scale
-    values = np.asarray(point.eigenvalues)
-    order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
-    others = values[order[2:]]
-    with np.errstate(over="ignore"):
-        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * rest.period)]).astype(complex)
     return Seed(
         orbits, z, direction / norm(direction), None, scale, (1,), Parent(point.branch, point.label),
-        measured=(int(np.sum(others.real > 0.0)), multipliers),
+        measured=of_rest(np.asarray(point.eigenvalues), omega, rest.period),
     )  # fmt: skip
 
 

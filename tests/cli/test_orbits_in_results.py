@@ -45,4 +45,6 @@ def test_labelled_orbits_are_written_where_they_are_asked_for(tmp_path):
 def test_orbits_are_left_out_otherwise(tmp_path):
     path, out = run_file(tmp_path, BAUTIN, *RUNS[:2]), tmp_path / "out.json"
     assert call("run", path, "--json", out, "--quiet") == 0
-    assert all("orbit" not in p for branch in results(out)["branches"] for p in branch["points"])
+    found = [p for branch in results(out)["branches"] for p in branch["points"]]
+    assert found
+    assert all("orbit" not in p for p in found)

@@ -179,7 +179,9 @@ def test_points_of_codimension_two_state_the_errors_of_both_parameters(tmp_path)
     assert call("run", run_file(tmp_path, model, line, folds, outputs={"save": saved.name}), "--json", out) == 0
     document = results(out)
     jsonschema.validate(document, RESULT_SCHEMA)
-    assert all("errors" not in point for point in points(document, "line").values())
+    on_line = points(document, "line")
+    assert set(on_line) == {"LP1", "LP2"}
+    assert all("errors" not in point for point in on_line.values())
     cusp = points(document, "folds")["CP1"]
     assert set(cusp["errors"]) == {"p", "q"}
     assert cusp["errors"]["p"] == cusp["error"]

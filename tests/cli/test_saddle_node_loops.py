@@ -42,5 +42,6 @@ def test_spikes_at_rest_lose_the_invariant_circle_at_a_non_central_orbit(tmp_pat
     assert (point["type"], point["index"]) == ("NCH", len(circle["columns"]["I"]) - 1)
     assert 0 < point["error"] < 1e-6
     assert loops["parent"] == {"branch": "circle", "label": "NCH1"}
+    assert len(loops["columns"]["I"]) > 10
     assert all(value < fold for value in loops["columns"]["I"][1:])
     assert all(value > point["values"]["phi"] for value in loops["columns"]["phi"][1:])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.continuation.march import EQUILIBRIA, IN_TWO_PARAMETERS, Decisions
+from contin.continuation.corrector import EQUILIBRIA, IN_TWO_PARAMETERS, Decisions
 from contin.continuation.sample import Chunk, Stop
 from contin.kernels import steering
 from contin.loci.equilibria.equilibrium_locus import LocusProblem

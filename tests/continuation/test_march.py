@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import contin
+from contin.continuation import corrector
 from contin.continuation import march as python_march
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
@@ -64,6 +65,7 @@ def test_machine_code_and_python_accept_the_same_points(name, sense):
 def test_rows_satisfy_the_equations_and_tangents_are_tangent():
     equations, states, parameters, bounds = SYSTEMS["three states"]
     branch = follow(equations, states, parameters, bounds)
+    assert len(branch.z) > 20
     for z, t in zip(branch.z, branch.tangents, strict=True):
         f, jacobian = branch.problem.linearise(z)
         assert np.abs(f).max() < 1e-8
@@ -96,7 +98,7 @@ def test_predictor_with_memory_misses_the_circle_by_third_order():
         )
         last = chunk.sample(-1)
         guess = h * last.tangent + 0.5 * h * (last.tangent - chunk.tangents[-2])
-        found = python_march.correct(DenseMarch(problem), last.z, last.tangent, h, guess, scale, 1e-13)
+        found = corrector.correct(DenseMarch(problem), last.z, last.tangent, h, guess, scale, 1e-13)
         first.append(found.first_correction)
     assert observed_order(steps, first) == pytest.approx(3.0, abs=0.15)
 
@@ -107,7 +109,7 @@ def test_newton_on_the_curve_converges_quadratically():
     sizes = []
     for offset in (1e-1, 1e-2, 1e-3):
         guess = np.array([offset, 0.3])
-        found = python_march.correct(DenseMarch(problem), z, base.tangent, 0.3, guess, scale, 1e-14)
+        found = corrector.correct(DenseMarch(problem), z, base.tangent, 0.3, guess, scale, 1e-14)
         exact = np.array([np.sqrt(1 - 0.09) - 1.0, 0.3])
         jacobian = np.array([[-2 * (1 + guess[0]), -2 * guess[1]], [0.0, 1.0]])
         residual = np.array([1 - (1 + guess[0]) ** 2 - guess[1] ** 2, 0.0])
@@ -129,6 +131,7 @@ def test_labelled_points_do_not_depend_on_the_step():
         ]
         for h in (0.005, 0.02, 0.1, 0.5)
     ]
+    assert found[0]
     for other in found[1:]:
         assert [t for t, _ in other] == [t for t, _ in found[0]]
         assert [p for _, p in other] == pytest.approx([p for _, p in found[0]], rel=1e-13)

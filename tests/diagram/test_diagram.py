@@ -41,6 +41,7 @@ def test_graph_of_a_loop_on_a_line_has_a_cycle():
 
 
 def test_edges_cover_every_row_of_every_branch_once(fork):
+    assert len(fork) > 1
     for branch in fork:
         pieces = sorted(d["rows"] for *_, d in fork.graph.edges(data=True) if d["branch"] == branch.name)
         assert pieces[0][0] == 0

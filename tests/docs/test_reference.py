@@ -56,6 +56,9 @@ def test_the_table_of_labels_names_the_codes_of_other_programs():
 
 def test_pages_name_commands_that_exist():
     """`contin.name(` in the pages is a public name; no page teaches what is not there."""
+    named = set()
     for path in DOCS.glob("*.md"):
         for name in re.findall(r"(?<![\w.`])contin\.([a-z]\w*)\(", path.read_text("utf-8")):
             assert name in contin.__all__, f"{path.name}: contin.{name}"
+            named.add(name)
+    assert {"load", "continuation", "diagram"} <= named

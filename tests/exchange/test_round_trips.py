@@ -137,7 +137,9 @@ def test_names_that_a_language_does_not_take_are_changed_and_told(tmp_path):
     _, written, _ = there_and_back(load(GRAMMAR), ODE, tmp_path)
     assert any(note.startswith("averylongstatename is called averylong") for note in written.notes)
     assert any("μ is called mu" in note for note in written.notes)
-    assert all(len(line.split("=")[0]) <= 13 for line in written.text.splitlines() if line.startswith("par "))
+    parameters = [line for line in written.text.splitlines() if line.startswith("par ")]
+    assert parameters
+    assert all(len(line.split("=")[0]) <= 13 for line in parameters)
 
 
 def test_a_definition_that_is_observed_keeps_its_name(tmp_path):

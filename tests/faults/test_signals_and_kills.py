@@ -53,6 +53,7 @@ def test_a_signal_at_a_random_moment_keeps_what_was_computed(tmp_path, number, t
             short, *rest = read_results(tmp_path / name)["branches"]
             assert short["name"] == "short"
             assert [end["reason"] for end in short["ends"]] == ["bound", "bound"]
+            assert rest
             assert all("stopped" in [end["reason"] for end in branch["ends"]] for branch in rest)
         assert "stopped by the user" in (tmp_path / "r.json").read_text()
         assert not list(tmp_path.glob(".*"))

@@ -90,6 +90,7 @@ def test_the_inclination_flip_of_sandstedes_model_is_where_auto_finds_it(loops):
 
 
 def test_inclination_flips_are_where_the_adjoint_solution_loses_its_leading_part(loops):
+    assert len(loops.points) == 2
     for p in loops.points:
         alpha = p.values["alpha"]
         below, above = leading_part(alpha - 1e-5), leading_part(alpha + 1e-5)

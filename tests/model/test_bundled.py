@@ -87,6 +87,7 @@ def co_hurwitz(x):
 
 def test_co_oxidation_has_its_folds_and_hopf_points_where_the_determinants_vanish():
     model = contin.load("co-oxidation")
+    assert {item.label for item in model.expect} == {"LP", "HB"}
     with mpmath.workdps(40):
         # brackets in x hold one zero of each determinant
         brackets = {"LP": [(0.02, 0.03), (0.05, 0.06)], "HB": [(0.015, 0.018), (0.07, 0.08)]}

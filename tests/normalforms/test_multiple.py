@@ -80,7 +80,9 @@ def test_triangle_symmetry_gives_three_transcritical_branches():
 def test_all_predictors_at_a_triangle_point_leave_third_order_residuals():
     field = [{(1, 0, 1): 1.0, (2, 0, 0): 1.0, (0, 2, 0): -1.0}, {(0, 1, 1): 1.0, (1, 1, 0): -2.0}]
     jet, _ = hide(field, [-1.0, 0.5], np.random.default_rng(2), 3, parameters=1)
-    for d in branch_directions(jet, state_error=1e-12):
+    found = branch_directions(jet, state_error=1e-12)
+    assert len(found) == 4
+    for d in found:
         steps = 1e-3 / 2.0 ** np.arange(4)
         miss = []
         for s in steps:

@@ -37,6 +37,7 @@ def test_stable_parts_are_solid_and_unstable_ones_dashed():
     lines = [line for line in axes.get_lines() if len(line.get_xdata()) > 1]
     middle = [line for line in lines if np.all(np.abs(line.get_ydata()) <= 1)]
     assert [line.is_dashed() for line in middle] == [True]
+    assert len(lines) == 3
     assert all(not line.is_dashed() for line in lines if line not in middle)
     assert STABLE["linewidth"] > UNSTABLE["linewidth"]
 

@@ -47,4 +47,5 @@ def test_a_long_title_leaves_room_for_what_explains_the_letters(words):
     title = figure.axes[0].title.get_window_extent()
     assert 0.0 <= title.x0 < title.x1 <= figure.bbox.width
     assert title.y1 <= figure.bbox.height
+    assert figure.legends
     assert not any(title.overlaps(legend.get_window_extent()) for legend in figure.legends)

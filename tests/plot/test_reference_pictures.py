@@ -75,6 +75,7 @@ def test_a_lost_branch_exceeds_the_tolerance(diagram, tmp_path):
 def test_a_legend_takes_a_quarter_of_the_height_at_most(name, request):
     drawing = PICTURES[name](request.getfixturevalue)
     drawing.draw_without_rendering()
+    assert drawing.legends
     for legend in drawing.legends:
         assert legend.get_window_extent().height <= 0.26 * drawing.bbox.height
 

@@ -69,7 +69,7 @@ def test_orbits_have_a_strand_of_maxima_and_one_of_minima_and_loci_a_panel_of_th
     strands = portions(diagram, "cycles")
     assert max(portion.y.max() for portion in strands) == -min(portion.y.min() for portion in strands)
     assert (diagram.x_label, plane.x, plane.y) == ("p (1/s)", "p", "q")
-    assert all(portion.stable is None for portion in portions(plane, "folds"))
+    assert [portion.stable for portion in portions(plane, "folds")] == [None]
 
 
 def test_axes_can_be_chosen_and_an_absent_column_names_those_there_are():
@@ -88,7 +88,9 @@ def test_a_file_gives_the_same_series_as_memory():
     branches = [*pitchfork(), *hysteresis(), *bautin()]
     model = {"name": "m", "states": ["x"], "parameters": {}}
     document = json.loads(dumps(result_document(model, branches, timing={"total": 1.0})))
-    for a, b in zip(panels(from_branches(branches)), panels(from_document(document)), strict=True):
+    here, there = panels(from_branches(branches)), panels(from_document(document))
+    assert sum(len(panel.curves) for panel in here) >= len(branches)
+    for a, b in zip(here, there, strict=True):
         assert (a.x, a.y, [c.name for c in a.curves]) == (b.x, b.y, [c.name for c in b.curves])
         for one, two in zip(a.curves, b.curves, strict=True):
             assert [p.stable for p in one.portions] == [p.stable for p in two.portions]

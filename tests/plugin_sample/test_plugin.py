@@ -145,7 +145,9 @@ for nodes in (4, 12):
 
 def test_a_problem_of_the_package_is_followed_through_its_fold(environment):
     """s = 2/c (1 -+ sqrt(1 - c)) on both sides of the fold at c = 1, whatever the number of nodes."""
-    for line in environment.run(SCATTERING).stdout.splitlines():
+    lines = environment.run(SCATTERING).stdout.splitlines()
+    assert len(lines) == 2
+    for line in lines:
         found = json.loads(line)
         [(type_, c, s, error)] = found["points"]
         assert (type_, found["notes"]) == ("LP", [])

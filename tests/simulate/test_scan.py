@@ -161,8 +161,9 @@ def test_beating_is_settled_by_windows_that_grow():
         model, (("w", np.array([0.002, 0.3])),), measures={"r": "1 + a/2"}, settle={"window": 30.0, "longest": 2e5},
         classes={"beating": "r_max - r_min > 0.9"},
     )  # fmt: skip
-    for outcome in carry_out(chosen, threads=1).values():
-        assert outcome.label == "beating"
+    outcomes = list(carry_out(chosen, threads=1).values())
+    assert [outcome.label for outcome in outcomes] == ["beating", "beating"]
+    for outcome in outcomes:
         assert outcome.outcome == "settled"
         assert outcome.statistics["r_mean"] == pytest.approx(1.0, abs=1e-3)
         assert outcome.statistics["r_max"] == pytest.approx(1.5, abs=1e-3)

@@ -125,10 +125,7 @@ def families_across(locus: Branch, axis: int, value: float, found: Sequence[Bran
         z = _on_line(locus, int(row), index, value)
         if z is None:
             continue
-        orbits, orbit = problem.curve.at(z), problem.curve.orbit(z)
-        if axis == 1:
-            orbits = orbits.with_active(problem.parameters[1], orbit)
-            orbit = np.append(orbit[:-1], z[-2])
+        orbits, orbit = problem.curve.family(z, second=axis == 1)
         if not _is_labelled(str(locus.locus), orbits.profile(orbit), found):
             seeds.append(Seed(orbits, orbit))
     return seeds

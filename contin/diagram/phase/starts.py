@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -67,15 +67,20 @@ def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settin
     return None
 
 
+def _where_zero(column: Array, z: Array) -> Iterator[Array]:
+    """Points of the chords between rows z (N, .) where the column (N,) vanishes."""
+    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
+        t = column[row] / (column[row] - column[row + 1])
+        yield (1.0 - t) * z[row] + t * z[row + 1]
+
+
 def on_branch(branch: Branch, parameter: str, bounds: Sequence[float], value: float) -> list[Seed]:
     """Equilibria of a branch in the other parameter where that has this value, as starts of branches."""
     problem: Any = branch.problem
     column = branch.z[:, -1] - value
     k = list(problem.system.parameter_names).index(parameter)
     seeds = []
-    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
-        t = column[row] / (column[row] - column[row + 1])
-        guess = (1.0 - t) * branch.z[row] + t * branch.z[row + 1]
+    for guess in _where_zero(column, branch.z):
         z = problem.at_parameter(guess, value, problem.initial_scale(guess, bounds))
         if z is not None:
             p = getattr(problem, "inner", problem).full_parameters(z)
@@ -92,9 +97,7 @@ def on_curve(locus: Branch, problem: EquilibriumProblem, axis: int, value: float
     index = len(locus.z[0]) - (1 if axis == 1 else 2)  # where the other parameter stands
     column = locus.z[:, index] - value
     seeds = []
-    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
-        t = column[row] / (column[row] - column[row + 1])
-        guess = (1.0 - t) * locus.z[row] + t * locus.z[row + 1]
+    for guess in _where_zero(column, locus.z):
         z = along.at_unknown(index, guess, value, along.initial_scale(guess, along.first_bounds))
         if z is None:
             continue

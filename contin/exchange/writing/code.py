@@ -42,11 +42,8 @@ class Code:
     """Writes expressions. `symbols` gives the text of each symbol, `fresh` names for intermediate results (None: the
     language has none); `assigned` collects (name, formula) in the order in which they must stand."""
 
-    def __init__(
-        self, language: Language, symbols: Mapping[str, str], fresh: Callable[[], str] | None, split: int | None = None
-    ) -> None:
+    def __init__(self, language: Language, symbols: Mapping[str, str], fresh: Callable[[], str] | None) -> None:
         self.language, self.symbols, self.fresh = language, symbols, fresh
-        self.longest = split or language.longest
         self.assigned: list[tuple[str, str]] = []
         self.known: dict[Expression, WrittenNode] = {}
         self.shared: Counter[Expression] = Counter()
@@ -75,7 +72,7 @@ class Code:
         if self.fresh is None or not node.args or _condition(node):
             return written
         often = self.shared[node] > 1 and len(written.body) > SHORT
-        if not often and len(written.body) <= self.longest:
+        if not often and len(written.body) <= self.language.longest:
             return written
         return self._named(written.at(SUM))
 
@@ -117,7 +114,7 @@ class Code:
     def _sum(self, args: list[WrittenNode]) -> WrittenNode:
         text = args[0].at(SUM)
         for term in args[1:]:
-            if self.fresh is not None and len(text) > self.longest:
+            if self.fresh is not None and len(text) > self.language.longest:
                 text = self._named(text).body
             text += f" {'-' if term.negative else '+'} {term.product()}"
         return WrittenNode(False, text, SUM)

@@ -54,7 +54,7 @@ class Bordered(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Augmented:
-    """A `contin.continuation.march.Linearisation` of E and h, with one more row: the tangent (scaled).
+    """A `contin.continuation.corrector.Linearisation` of E and h, with one more row: the tangent (scaled).
 
     tangent : None where the scalars alone make the system square.
     """

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.normalforms.cycles import period_doubling, torus
+from contin.normalforms.cycles import coefficient
 from contin.problems.large_orbits.crossing import vertical_term
 from contin.problems.large_orbits.cycle import LargeCycle
 from contin.problems.large_orbits.multipliers import critical_index, tests_of
@@ -44,12 +43,10 @@ def measured_at(
         return np.full(4 if type_ != "NS" else 8, np.nan), 0, whole
     others = others_of(values, type_)
     (pairs, flips, ones), unstable = tests_of(others)
-    angle = float(elementary.angle(values[k]))
-    cosines = [float(elementary.cos(angle)) - _cosine(name) for name in COSINES] if type_ == "NS" else []
-    value = float("nan")
+    cycle, value = LargeCycle.with_critical(family, z, values[k], vectors[:, k]), float("nan")
+    cosines = [float(elementary.cos(cycle.theta)) - _cosine(name) for name in COSINES] if type_ == "NS" else []
     if graded:
-        cycle = LargeCycle(family, z, vectors[:, k] / norm(vectors[:, k]))
-        value = _quadratic(cycle) if type_ == "LPC" else _cubic(cycle, type_, angle)
+        value = _quadratic(cycle) if type_ == "LPC" else _cubic(cycle, type_)
     return np.array([pairs, flips, ones, *cosines, value]), unstable, whole
 
 
@@ -82,10 +79,10 @@ def _quadratic(cycle: LargeCycle) -> float:
         return float("nan")
 
 
-def _cubic(cycle: LargeCycle, type_: str, angle: float) -> float:
+def _cubic(cycle: LargeCycle, type_: str) -> float:
     """c or Re d as part of its terms; NaN where these are rounding (equations that are linear across the cycle)."""
     try:
-        found = period_doubling(cycle) if type_ == "PD" else torus(cycle, angle)
+        found = coefficient(cycle, type_, cycle.theta)
     except (np.linalg.LinAlgError, ZeroDivisionError):  # as above
         return float("nan")
     smallest = UNDECIDED / (cycle.period * float(cycle.mean(cycle.orbit.U, cycle.orbit.U)))

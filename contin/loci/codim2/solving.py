@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.sample import Sample
 from contin.loci.codim2.functions import at_rows
-from contin.problems.equilibria import defining
+from contin.problems.equilibria import solved_to_rounding as rounding
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -52,7 +52,7 @@ def solve(
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
 
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
-    within a few steps. The error of the first parameter is estimated as in `defining.newton`.
+    within a few steps. The error of the first parameter is estimated as in `solved_to_rounding.newton`.
 
     with_poles : None where the function has no zero there, but changes its sign at a pole (of which rounding may make a
     zero: it falls off on both sides).  turning : null vectors are
@@ -154,10 +154,10 @@ def _scatter(residuals: Callable[[Array], Array], matrix: Array, inverse: Array,
     """Estimated errors of all unknowns: how rounding errors of the residuals (at rows of y) reach them.
 
     Steps of 1e-12 leave the rounding of terms like 1 + small as it is; of longer ones the odd part, without what is
-    curved, shows it (as in `defining`).
+    curved, shows it (as in `solved_to_rounding`).
     """
-    shifts = defining.shifts(len(y))
-    longer = defining.ROUNDED / defining.PERTURBATION * shifts
+    shifts = rounding.shifts(len(y))
+    longer = rounding.ROUNDED / rounding.PERTURBATION * shifts
     close, ahead, behind = np.split(residuals(np.concatenate([y + shifts, y + longer, y - longer])), 3)
     estimates = np.abs(shifts - close @ inverse.T).max(axis=0)
     odd = np.abs(0.5 * (ahead - behind) - longer @ matrix.T).max(axis=0)
@@ -172,7 +172,7 @@ def _newton(
     off : rounding errors of the last residual.
     """
     before, lacking = np.inf, np.zeros(len(y))
-    for _ in range(defining.NEWTON_BUDGET):
+    for _ in range(rounding.NEWTON_BUDGET):
         g, jacobian = residual(y)
         matrix = np.vstack([jacobian, gradient])
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
@@ -182,16 +182,16 @@ def _newton(
         except np.linalg.LinAlgError:  # not verified, in words
             return None
         length = float(np.linalg.norm(step))
-        stalled = defining.STALLED if off == 0.0 else max(defining.STALLED, off * length / max(abs(g[-1]), 1e-300))
+        stalled = rounding.STALLED if off == 0.0 else max(rounding.STALLED, off * length / max(abs(g[-1]), 1e-300))
         if length >= 0.5 * before and length < stalled:
             ratio = min(length / before, 0.9)
-            if length > 1e3 * defining.SETTLED:
+            if length > 1e3 * rounding.SETTLED:
                 lacking = 2.0 * np.abs(step) * ratio / (1.0 - ratio)
             break
         if length > 1e3 or (length >= before and before < stalled):
             return None
         y = y + step
-        if length < defining.SETTLED:
+        if length < rounding.SETTLED:
             break
         before = length
     else:

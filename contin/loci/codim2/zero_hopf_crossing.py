@@ -20,7 +20,7 @@ from contin.abi import Array
 from contin.continuation.sample import Frame, Sample
 from contin.linalg.newton import Rules, by_steps
 from contin.machine import elementary
-from contin.problems.equilibria import defining
+from contin.problems.equilibria import solved_to_rounding as rounding
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -31,7 +31,7 @@ CURVATURE: Final = 1e-4  # scaled, of the second derivative of the curve's equat
 RANK: Final = 1e-5  # a singular value below this part of the largest is zero
 EXACT: Final = 1e-7  # ... at the point itself
 REAL: Final = -1e-10  # of the squared size of the quadratic form: a discriminant below this has no real roots
-NEWTON: Final = Rules(defining.SETTLED, defining.STALLED, far=1e3, budget=defining.NEWTON_BUDGET)
+NEWTON: Final = Rules(rounding.SETTLED, rounding.STALLED, far=1e3, budget=rounding.NEWTON_BUDGET)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ def solve(problem: CurveOfPoints, eigenvalue: Callable[[Array], float], near: Sa
         return None
     inverse = np.linalg.pinv(matrix)
     generator = np.random.default_rng(12345)
-    shifts = defining.PERTURBATION * generator.uniform(-1.0, 1.0, (defining.SAMPLES, count))
+    shifts = rounding.PERTURBATION * generator.uniform(-1.0, 1.0, (rounding.SAMPLES, count))
     scatter = 2.0 * np.max([np.abs(shift - inverse @ system(y + shift)[0]) for shift in shifts], axis=0)
     return Crossing(y, float(np.max(np.abs(g))), scatter)
 

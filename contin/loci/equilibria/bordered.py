@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.loci.tolerances import FORCED
 from contin.machine import elementary
-from contin.problems.equilibria.defining import _bordered as solve
+from contin.problems.equilibria.defining import solve_bordered
 from contin.problems.gauged import Gauged
 
 if TYPE_CHECKING:
@@ -209,7 +209,7 @@ class BorderedCurve(Gauged):
         matrix = self._critical(a, z)
         if self.type == "BP":
             matrix = np.column_stack([matrix, self._slopes(full) @ borders.across])
-        v, w, g = _bordered(matrix, borders.left, borders.right)
+        v, w, g = _real_bordered(matrix, borders.left, borders.right)
 
         def hessian(direction: Array, parameter: float = 0.0) -> Array:
             """D^2F[direction, .] by states and parameters, rows scaled; the direction is given in scaled states."""
@@ -260,7 +260,7 @@ class BorderedCurve(Gauged):
         return np.concatenate([self.sizes, [typical], ends])
 
 
-def _bordered(matrix: Array, b: Array, c: Array) -> tuple[Array, Array, Array]:
+def _real_bordered(matrix: Array, b: Array, c: Array) -> tuple[Array, Array, Array]:
     """V, W, G of the bordered systems above; NaN where they are singular."""
-    v, w, g = solve(matrix, b, c)
+    v, w, g = solve_bordered(matrix, b, c)
     return np.asarray(v.real), np.asarray(w.real), np.asarray(g.real)

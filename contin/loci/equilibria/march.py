@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation import corrector
 from contin.continuation import march as python_march
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
@@ -46,7 +47,7 @@ def march(
     march = LocusMarch(problem)
     return python_march.march(
         march, origin, before, length, frame, step, limit, bounds, settings, loop, walled=problem,
-        decisions=python_march.IN_TWO_PARAMETERS,
+        decisions=corrector.IN_TWO_PARAMETERS,
     )  # fmt: skip
 
 

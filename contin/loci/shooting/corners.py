@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation import march
+from contin.continuation import corrector, march
 from contin.continuation.outcome import Failure, Verified
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.loci.shooting.contacts import NEAR, Touch, touches, vertex
@@ -65,7 +65,7 @@ def cross_corner(problem: ShotCurveEquations, last: Sample, frame: Frame) -> tup
     own = problem.settled(z, scale)
     for depth in DEPTHS:
         length = there + sense * depth
-        solved = march.correct(own, z, deeper, length, length * deeper, scale, TOLERANCE)
+        solved = corrector.correct(own, z, deeper, length, length * deeper, scale, TOLERANCE)
         if isinstance(solved, Failure) or float(np.linalg.norm(solved.y)) > FAR:
             continue
         beyond = march.measure(own, solved, frame.reference)

@@ -27,7 +27,7 @@ from contin.loci.tolerances import REAL, RESIDUAL_LIMIT
 from contin.machine import elementary
 from contin.problems.sparse import forms as simple
 from contin.problems.sparse.special_points import refine
-from contin.problems.sparse.zero_on_curve import At, secant
+from contin.problems.sparse.zero_on_curve import At, zero_on_curve
 from contin.records import Fields
 from contin.special.table import signs_of_points
 
@@ -124,7 +124,7 @@ def _verified(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> 
     measure = _measure(problem, type_, near)
     if isinstance(measure, Rejected):
         return unverified(type_, measure.reason)
-    found = secant(problem, near, frame, measure)
+    found = zero_on_curve(problem, near, frame, measure)
     if found is None:
         return unverified(type_, "its test has no zero on the curve nearby")
     at, left, error = found.at, found.left, found.error
@@ -204,7 +204,7 @@ def _takens_by_frequency(problem: OnLargeCurve, near: Sample, frame: Frame, refu
     So it is where the equilibrium exists at all parameters: a curve of branch points passes there. kappa is an unknown.
     """
     size = problem.curve.unit
-    found = secant(problem, near, frame, lambda at: problem.curve.kappa(at.z) / size)
+    found = zero_on_curve(problem, near, frame, lambda at: problem.curve.kappa(at.z) / size)
     if found is None or not max(found.at.residual, abs(found.left)) < RESIDUAL_LIMIT:
         return refused
     locus, z = _folds_through(problem, found.at.z)

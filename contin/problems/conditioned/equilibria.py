@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation import march as python_march
+from contin.continuation import corrector
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
@@ -66,7 +66,7 @@ class ConditionedEquilibria(Conditioned):
     def condition_values(self, z: Array) -> Array:
         return self._formulas.at(*self._point(z))[0]
 
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> python_march.Linearisation | None:
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> corrector.Linearisation | None:
         n, (u, p) = self.inner.n, self._point(z)
         f, jacobian = self.inner.system.jacobian(u, p)
         c, slopes = self._formulas.at(u, p)

@@ -1,8 +1,8 @@
 """What solutions under conditions have in common, whatever they are.
 
-z = (unknowns of the solution, q_k .. q_1, p): the free parameters q stand before the one that varies. Stability is that
-of the solution with all parameters fixed. A special point of it is one of the family without conditions, for those
-values of q for which it meets them; folds of the conditioned curve itself are LP with `of: curve` in their normal form.
+Stability is that of the solution with all parameters fixed. A special point of it is one of the family without
+conditions, for those values of the free parameters for which it meets them; folds of the conditioned curve itself are
+LP with `of: curve` in their normal form.
 """
 
 from __future__ import annotations
@@ -10,12 +10,13 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
+from contin.continuation import corrector
 from contin.continuation import march as python_march
 from contin.continuation.homotopy import without_offset
 from contin.continuation.outcome import NOTHING, Nothing, Outcome, Rejected, Verified, unverified
@@ -23,8 +24,9 @@ from contin.continuation.problem import Problem
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.conditioned.secant import zero_along
-from contin.problems.scales import parameter_width
+from contin.problems.conditioned.conditioned_equations import ConditionedEquations
+from contin.problems.conditioned.intersection import Intersection
+from contin.problems.conditioned.zero_along import zero_along
 
 TURN: Final = "turn"  # a fold of the conditioned curve, until it is labelled LP
 CURVE_BP: Final = "crossing"
@@ -32,77 +34,13 @@ TEST_OF: Final = {  # the test whose zero a labelled point is
     "LP": "zero", "BP": "zero", "LPC": "zero", "BPC": "zero", "HB": "pair", "NS": "pair", "PD": "flip",
 }  # fmt: skip
 TOLERANCE: Final = 1e-11
-ITERATIONS: Final = 12
-DIFFERENCE: Final = 1e-5  # part of a free parameter's scale by which it is moved for a derivative
-SOLVED: Final = 1e-12  # of the conditions, relative to their change over the scale of the free parameters
-STALLED: Final = 1e-7
-SMALL: Final = 1e-3  # part of its natural size below which a free parameter's value says nothing of its scale
 
 
 @dataclass(frozen=True, eq=False)
-class Conditioned(Problem):
-    """`inner`: the problem without conditions, whose base has values of the free parameters; `free`: their places."""
+class Conditioned(ConditionedEquations):
+    """A kind of solutions adds what `ConditionedEquations` asks, finer meshes, and types of special points."""
 
-    inner: Any
-    free: tuple[int, ...]
-
-    locus = None
     TESTS: ClassVar[tuple[str, ...]] = ()  # what each test from the third on tells
-
-    # -- the parts of z ------------------------------------------------------------------------------------------------
-
-    @property
-    def k(self) -> int:
-        return len(self.free)
-
-    def inner_vector(self, z: Array) -> Array:
-        """z of the problem without conditions (also of a metric or tangent)."""
-        return np.append(z[: -1 - self.k], z[-1])
-
-    def joined(self, inner: Array, free: Array) -> Array:
-        """z from both parts; free parameters in their order."""
-        return np.concatenate([inner[:-1], free[::-1], inner[-1:]])
-
-    def free_values(self, z: Array) -> Array:
-        """The free parameters, in their order."""
-        return z[-1 - self.k : -1][::-1]
-
-    def at(self, q: Array) -> Any:
-        """The problem without conditions for these values of the free parameters."""
-        base = self.inner.base.copy()
-        base[list(self.free)] = q
-        return replace(self.inner, base=base)
-
-    @property
-    def free_names(self) -> tuple[str, ...]:
-        return tuple(self.inner.system.parameter_names[k] for k in self.free)
-
-    # -- what the kinds of solutions add -------------------------------------------------------------------------------
-
-    @abstractmethod
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> python_march.Linearisation | None:
-        """Equations and conditions with the tangent as their last row."""
-
-    @abstractmethod
-    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        """Tests from index 2 on (named by TESTS), the number of unstable eigenvalues, and all of them."""
-
-    @abstractmethod
-    def condition_values(self, z: Array) -> Array:
-        """(k,)"""
-
-    @abstractmethod
-    def near_inner(self, near: Sample, z: Array, frame: Frame, place: int) -> tuple[Sample, Frame]:
-        """A sample at z of the problem without conditions, in which parameter `place` varies, and its metric."""
-
-    def _unfolded(self, z: Array, scale: Array, place: int) -> tuple[Any, Array, Array]:
-        """The problem without conditions in which parameter `place` varies (k: the own one), its z and metric."""
-        free, bare, metric = self.free_values(z), self.inner_vector(z), self.inner_vector(scale)
-        inner = self.at(free)
-        if place == self.k:
-            return inner, bare, metric
-        inner = inner.with_active(self.free_names[place], bare)
-        return inner, np.append(bare[:-1], free[place]), np.append(metric[:-1], self.free_values(scale)[place])
 
     @abstractmethod
     def finer(self, near: Sample, frame: Frame) -> tuple[Conditioned, Sample, Frame] | None:
@@ -112,31 +50,11 @@ class Conditioned(Problem):
     def inner_type(self, test: str, near: Sample, also: Sequence[str]) -> str | None:
         """The type of the special point that a test's zero is for the problem without conditions."""
 
-    def free_widths(self, z: Array, states: Array) -> Array:
-        """Scales of the free parameters: declared ones or their values; of one that is as good as 0, the value that
-        would change the equations as much as the states (rows) do."""
-        bare, free = self.at(self.free_values(z)), self.free_values(z)
-        p, n = bare.full_parameters(self.inner_vector(z)), states.shape[1]
-        slopes = np.abs(np.array([self.system.jacobian(u, p)[1] for u in states]))
-        size = np.abs(states).max(axis=0)
-        effect = float((slopes[:, :, :n] * np.where(size > 0.0, size, size.max(initial=0.0) or 1.0)).max())
-        widths = []
-        for name, place, value in zip(self.free_names, self.free, free, strict=True):
-            own = float(slopes[:, :, n + place].max())
-            natural = effect / own if own > 0.0 and effect > 0.0 else abs(float(value)) or 1.0
-            given = abs(float(value)) if abs(float(value)) > SMALL * natural else natural
-            widths.append(parameter_width(self.system.model, name, given, (-np.inf, np.inf)))
-        return np.array(widths)
-
     # -- the engine's contract -----------------------------------------------------------------------------------------
 
     @property
     def kind(self) -> str:
         return str(self.inner.kind)
-
-    @property
-    def system(self) -> Any:
-        return self.inner.system
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -294,84 +212,11 @@ class Conditioned(Problem):
         """(point, z, what is left of the conditions), unfolded by the varying parameter or else by a free one."""
         first = None
         for place in (self.k, *range(self.k)):
-            found = _Intersection(self, type_, near, frame, place).solve()
+            found = Intersection(self, type_, near, frame, place).solve()
             if isinstance(found, tuple):
                 return found
             first = first or found
         return first or NOTHING
-
-
-@dataclass(frozen=True, eq=False)
-class _Intersection:
-    """A special point of the problem without conditions, unfolded by one of the k + 1 parameters, on the conditions.
-
-    place : of the parameter that unfolds it, among (free parameters, varying one); the others are solved for.
-    """
-
-    problem: Conditioned
-    type_: str
-    near: Sample
-    frame: Frame
-    place: int
-
-    @property
-    def others(self) -> list[int]:
-        return [k for k in range(self.problem.k + 1) if k != self.place]
-
-    def _all(self, z: Array) -> Array:
-        """Free parameters, and the varying one."""
-        return np.append(self.problem.free_values(z), z[-1])
-
-    def point_at(self, values: Array, z: Array) -> tuple[Verified, Array] | Rejected | Nothing:
-        """The point for these values of the other parameters, near z, and its z."""
-        problem, every = self.problem, self._all(z)
-        every[self.others] = values
-        start = problem.joined(np.append(problem.inner_vector(z)[:-1], every[-1]), every[:-1])
-        sample, metric = problem.near_inner(self.near, start, self.frame, self.place)
-        inner = problem.at(every[:-1])
-        if self.place < problem.k:
-            inner = inner.with_active(problem.free_names[self.place], np.append(sample.z[:-1], every[-1]))
-        found: Outcome = inner.verify(self.type_, sample, metric)
-        if not isinstance(found, Verified):
-            return found
-        every[self.place] = found.z[-1]
-        return found, problem.joined(np.append(found.z[:-1], every[-1]), every[:-1])
-
-    def solve(self) -> tuple[Verified, Array, float] | Rejected | Nothing:
-        """Newton's method with differences, then Broyden's."""
-        problem, type_ = self.problem, self.type_
-        widths = self._all(self.frame.scale)[self.others]
-        values = self._all(self.near.z)[self.others]
-        here = self.point_at(values, self.near.z)
-        if not isinstance(here, tuple):
-            return here
-        c = problem.condition_values(here[1])
-        matrix = np.empty((problem.k, problem.k))
-        for j in range(problem.k):
-            there = self.point_at(values + DIFFERENCE * widths * (np.arange(problem.k) == j), here[1])
-            if not isinstance(there, tuple):
-                return there
-            matrix[:, j] = (problem.condition_values(there[1]) - c) / DIFFERENCE  # by value / width
-        before = np.inf
-        for _ in range(ITERATIONS):
-            try:
-                step = np.linalg.solve(matrix, -c)
-            except np.linalg.LinAlgError:
-                return unverified(type_, "its curve is tangent to the conditions")
-            size = float(np.abs(step).max())
-            if not np.isfinite(size) or size > 1.0:
-                return unverified(type_, "no such point meets the conditions nearby")
-            if size <= SOLVED or (size >= 0.5 * before and size <= STALLED):
-                share = float(self.frame.scale[-1] / self._all(self.frame.scale)[self.place])
-                return replace(here[0], error=share * here[0].error), here[1], size
-            values = values + widths * step
-            there = self.point_at(values, here[1])
-            if not isinstance(there, tuple):
-                return there
-            moved = problem.condition_values(there[1])
-            matrix = matrix + np.outer(moved - c - matrix @ step, step) / float(step @ step)
-            here, c, before = there, moved, size
-        return unverified(type_, "the conditions were not met to full precision")
 
 
 @dataclass(frozen=True, eq=False)
@@ -381,7 +226,7 @@ class _Still:
     problem: Conditioned
     angle_periods: Array
 
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> python_march.Linearisation | None:
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> corrector.Linearisation | None:
         return self.problem.linearisation(z, tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:

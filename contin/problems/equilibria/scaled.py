@@ -15,8 +15,8 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.machine.elementary import log
-from contin.problems.equilibria.defining import generic
 from contin.problems.equilibria.defining_in_kernel import BorderedEquations, bordered_equations
+from contin.problems.equilibria.solved_to_rounding import generic
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations

@@ -19,8 +19,8 @@ from contin.problems.equilibria import defining
 from contin.problems.equilibria.branching.multiple_kernel import reduced_branches
 from contin.problems.equilibria.branching.rotated import turning_kernel
 from contin.problems.equilibria.colliding_pairs import colliding
-from contin.problems.equilibria.defining import Solved
 from contin.problems.equilibria.scaled import ScaledSystem
+from contin.problems.equilibria.solved_to_rounding import Solved
 from contin.problems.neutral_pairs import errors_of, is_suspect
 
 if TYPE_CHECKING:

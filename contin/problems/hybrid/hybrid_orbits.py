@@ -28,7 +28,7 @@ from contin.problems.equilibria import special_points
 from contin.problems.hybrid.cycle_of_events import CycleOfEvents
 from contin.problems.hybrid.grazing import cut_where_events_change, ending, is_shut, unexpected
 from contin.problems.hybrid.multipliers import stability
-from contin.problems.hybrid.sampling import HybridProfile, extremes, norm, sampled
+from contin.problems.hybrid.sampling import HybridProfile, norm, orbit_columns, sampled
 from contin.problems.orbits.measured.measures import standard_columns, standard_names
 from contin.problems.scales import parameter_width
 from contin.records import Fields
@@ -179,13 +179,7 @@ class HybridOrbits(CycleOfEvents):
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameter, period, extremes of every state and observable over the orbit, and the standard columns."""
-        passages = [self.passage(row) for row in z]
-        columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
-        columns["period"] = np.array([np.nan if p is None else p.period for p in passages])
-        names = (*self.system.state_names, *self.system.observable_names)
-        ranges = np.array([extremes(self, row) for row in z]).reshape(len(z), 2, len(names))
-        for k, name in enumerate(names):
-            columns[f"{name}.min"], columns[f"{name}.max"] = ranges[:, 0, k], ranges[:, 1, k]
+        columns = {self.parameters[0]: z[:, -1].copy()} | orbit_columns(self.system, [(self, row) for row in z])
         return columns | standard_columns(self.system, columns, lambda: np.array([norm(self, row) for row in z]))
 
     def describe_failure(self, z: Array) -> str:

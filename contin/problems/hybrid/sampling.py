@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from contin.simulate.flight import fly
 if TYPE_CHECKING:
     from contin.problems.hybrid.cycle_of_events import CycleOfEvents
     from contin.problems.hybrid.passage import Flown, Passage
+    from contin.systems.protocol import System
 
 SAMPLES = 240  # of an orbit
 LEAST = 24  # ... and of each arc
@@ -49,7 +51,18 @@ def sampled(problem: CycleOfEvents, z: Array) -> HybridProfile:
     return HybridProfile(np.vstack(states), np.concatenate(times) / begun, begun, float(z[-1]))
 
 
-def extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
+def orbit_columns(system: System, orbits: Sequence[tuple[CycleOfEvents, Array]]) -> dict[str, Array]:
+    """Period, and smallest and largest value of every state and observable, of N orbits z of their problems."""
+    passages = [problem.passage(z) for problem, z in orbits]
+    columns = {"period": np.array([np.nan if p is None else p.period for p in passages])}
+    names = (*system.state_names, *system.observable_names)
+    ranges = np.array([_extremes(problem, z) for problem, z in orbits]).reshape(len(orbits), 2, len(names))
+    for k, name in enumerate(names):
+        columns[f"{name}.min"], columns[f"{name}.max"] = ranges[:, 0, k], ranges[:, 1, k]
+    return columns
+
+
+def _extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
     """Smallest and largest value of every state and observable on the orbit."""
     flow, p, names = problem.flow, problem.inner.full_parameters(z), len(problem.system.state_names)
     passage = problem.passage(z)

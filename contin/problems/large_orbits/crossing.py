@@ -17,11 +17,10 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation.outcome import Verified
-from contin.linalg.vectors import dot, norm
-from contin.normalforms.coefficient import SAFETY, Coefficient
+from contin.linalg.vectors import dot
+from contin.normalforms.coefficient import Coefficient
 from contin.problems.large_orbits.cycle import LargeCycle
-from contin.problems.large_orbits.multipliers import critical_index
-from contin.problems.large_orbits.normal_form import WIDER, UnresolvedShearError, drifts
+from contin.problems.large_orbits.normal_form import UnresolvedShearError, drifts, with_wider_stencils
 from contin.problems.orbits.normal_forms.branch_point import Crossing, decided
 
 if TYPE_CHECKING:
@@ -60,14 +59,15 @@ def with_kind(point: Verified, coarse: Place, fine: Place | None) -> Verified:
     if fine is None:
         return replace(point, remark=f"{NO_KIND} (no orbit on a finer mesh)")
     try:
-        first, second = _cycle(coarse), _cycle(fine)
+        first, second = (LargeCycle.of_type(place.problem, place.z, "BPC") for place in (coarse, fine))
         drift = drifts(first.shear, second.shear)
-        found = _crossing(coarse, replace(first, drifts=drift))
-        wider = coarse.problem.system.with_wider_stencils(WIDER)
+        first = replace(first, drifts=drift)
+        found, wider = _crossing(coarse, first), with_wider_stencils(first)
         if wider is not None:
-            other = _crossing(coarse, replace(first, drifts=drift, system=wider))
-            b20, b11 = _noisy(found.b20, other.b20), _noisy(found.b11, other.b11)
-            found = replace(found, b20=b20, b11=b11, a02=_noisy(found.a02, other.a02))
+            other = _crossing(coarse, wider)
+            pairs = ((found.b20, other.b20), (found.b11, other.b11), (found.a02, other.a02))
+            b20, b11, a02 = (a.with_noise_from(b) for a, b in pairs)
+            found = replace(found, b20=b20, b11=b11, a02=a02)
         found = _with_noise(found, _off(point))
         form = decided(found, _crossing(fine, replace(second, drifts=drift)))
     except (np.linalg.LinAlgError, ZeroDivisionError, UnresolvedShearError) as reason:
@@ -81,20 +81,6 @@ def _off(point: Verified) -> float:
     away = np.abs(point.eigenvalues - 1.0)
     apart = min(1.0, float(np.sort(away)[2])) if len(away) > 2 else 1.0  # two of them are 1
     return PLACE * point.residual / max(apart, point.residual)
-
-
-def _noisy(one: Coefficient, other: Coefficient) -> Coefficient:
-    """With the change by other differences as noise."""
-    return replace(one, noise=SAFETY * min(abs(one.value - other.value), abs(one.value + other.value)))
-
-
-def _cycle(place: Place) -> LargeCycle:
-    values, vectors = place.problem.multipliers(place.z, exactly=True)
-    k = critical_index(values, "BPC")
-    if k is None:
-        raise np.linalg.LinAlgError("the multiplier that crosses is lost on one of the meshes")
-    q = np.real(vectors[:, k])
-    return LargeCycle(place.problem, place.z, q / norm(q))
 
 
 def _crossing(place: Place, cycle: LargeCycle) -> Crossing:

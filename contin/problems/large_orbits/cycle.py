@@ -17,6 +17,8 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.linalg.krylov import gmres
 from contin.linalg.vectors import norm
+from contin.machine import elementary
+from contin.problems.large_orbits.multipliers import critical_index
 from contin.problems.large_orbits.radau import WEIGHTS, A, Trajectory
 from contin.systems.functions.function_system import FunctionSystem
 
@@ -128,19 +130,38 @@ class OnceRound:
 class LargeCycle:
     """The orbit at z; functions are their values (N, 3, n) at its points.
 
-    critical : (n,) the vector of the multiplier that is critical.
+    multiplier, critical : the one that is critical, and its vector (n,).
     drifts : whether the period changes across a fold.
     system : other derivatives of second and third order than the problem's own.
     """
 
     problem: LargeOrbitEquations
     z: Array
+    multiplier: complex
     critical: Vector
     drifts: bool = True
     system: FunctionSystem | None = None
     _equations: dict[tuple[complex, str], OnceRound] = field(default_factory=dict)  # those of one orbit
 
     autonomous = True
+
+    @classmethod
+    def of_type(cls, problem: LargeOrbitEquations, z: Array, type_: str) -> LargeCycle:
+        """With the critical multiplier of LPC, PD, NS or BPC; LinAlgError where no multiplier may be that."""
+        values, vectors = problem.multipliers(z, exactly=True)
+        k = critical_index(values, type_)
+        if k is None:
+            raise np.linalg.LinAlgError("the multiplier that crosses is lost on one of the meshes")
+        return cls.with_critical(problem, z, values[k], vectors[:, k])
+
+    @classmethod
+    def with_critical(cls, problem: LargeOrbitEquations, z: Array, value: complex, vector: Vector) -> LargeCycle:
+        return cls(problem, z, complex(value), np.asarray(vector / norm(vector)))
+
+    @property
+    def theta(self) -> float:
+        """The angle of the critical multiplier."""
+        return float(elementary.angle(self.multiplier))
 
     @cached_property
     def sweeps(self) -> Sweeps:

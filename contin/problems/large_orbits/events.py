@@ -11,7 +11,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import critical_index, stay_outside
 from contin.problems.large_orbits.normal_form import with_normal_form
-from contin.problems.sparse.zero_on_curve import At, Zero, point_at, secant
+from contin.problems.sparse.zero_on_curve import At, Zero, point_at, zero_on_curve
 
 if TYPE_CHECKING:
     from contin.abi import Array
@@ -42,7 +42,7 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
 
 def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The orbit of this type near a sample, by the secant method along the family."""
-    found = secant(problem, near, frame, lambda at: _measured(problem, at, type_))
+    found = zero_on_curve(problem, near, frame, lambda at: _measured(problem, at, type_))
     if found is None:
         return unverified(type_, f"no orbit with {WORDS.get(type_, 'a turning parameter')} nearby")
     at, left = found.at, found.left

@@ -10,7 +10,7 @@ from typing import Final, Self
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation import march as python_march
+from contin.continuation import corrector
 from contin.continuation.sample import Frame, Sample
 from contin.linalg.factor import Factoriser
 from contin.linalg.recycled import Recycled
@@ -29,7 +29,7 @@ from contin.systems.functions.function_system import FunctionSystem
 SMALL: Final = 1e-8  # amplitude (scaled) below which an orbit has no phase of its own
 SAME: Final = 1e-8  # scaled distance up to which factors serve for multipliers
 TOLERANCE: Final = 1e-11
-DECISIONS: Final = python_march.Decisions(iterations=7.0, close=0.01, patience=4.0, old=0.1, off=1e-9)
+DECISIONS: Final = corrector.Decisions(iterations=7.0, close=0.01, patience=4.0, old=0.1, off=1e-9)
 Moved = Callable[[Array], Array]
 
 
@@ -235,7 +235,7 @@ class LargeOrbitEquations(InOneParameterProblem):
             self.settle(z, tangent, scale)
         return self.bordered(z, (self.active,), tangent[None], scale, rough)
 
-    def again(self, here: python_march.Linearisation, z: Array) -> OrbitLinearisation | None:
+    def again(self, here: corrector.Linearisation, z: Array) -> OrbitLinearisation | None:
         """A linearisation of this problem with the residual at another point, for one more correction."""
         assert isinstance(here, OrbitLinearisation)
         left = self.residual(z)

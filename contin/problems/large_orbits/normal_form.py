@@ -11,14 +11,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.abi import Vector
 from contin.continuation.outcome import Verified
-from contin.linalg.vectors import norm
-from contin.machine import elementary
-from contin.normalforms.coefficient import SAFETY, Coefficient
-from contin.normalforms.cycles import fold, period_doubling, torus
+from contin.normalforms.coefficient import Coefficient
+from contin.normalforms.cycles import coefficient
 from contin.problems.large_orbits.cycle import SHEARLESS, LargeCycle
-from contin.problems.large_orbits.multipliers import critical_index
 from contin.problems.orbits.normal_forms.normal_form import stated
 
 if TYPE_CHECKING:
@@ -46,25 +42,16 @@ def with_normal_form(
     if fine is None:
         return replace(point, remark=f"{point.type}: its normal form is not known (no orbit on a finer mesh)")
     try:
-        first, second = _cycle(point.type, *coarse), _cycle(point.type, *fine)
+        first, second = (LargeCycle.of_type(*orbit, point.type) for orbit in (coarse, fine))
         if point.type == "LPC":
-            drift = drifts(first[0].shear, second[0].shear)
-            first, second = ((replace(cycle, drifts=drift), theta) for cycle, theta in (first, second))
-        found = _with_noise(point.type, *first)
-        error = found.error(_coefficient(point.type, *second))
+            drift = drifts(first.shear, second.shear)
+            first, second = replace(first, drifts=drift), replace(second, drifts=drift)
+        found = _with_noise(first, point.type)
+        error = found.error(coefficient(second, point.type, second.theta))
     except (np.linalg.LinAlgError, ZeroDivisionError, UnresolvedShearError) as reason:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
     made = stated(point, found, error)
     return replace(made, normal_form={**point.normal_form, **made.normal_form})
-
-
-def _cycle(type_: str, problem: LargeOrbitEquations, z: Array) -> tuple[LargeCycle, float]:
-    values, vectors = problem.multipliers(z, exactly=True)
-    k = critical_index(values, type_)
-    if k is None:
-        raise np.linalg.LinAlgError("the multiplier that crosses is lost on one of the meshes")
-    q: Vector = vectors[:, k]
-    return LargeCycle(problem, z, q / norm(q)), float(elementary.angle(values[k]))
 
 
 def drifts(coarse: float, fine: float) -> bool:
@@ -76,16 +63,12 @@ def drifts(coarse: float, fine: float) -> bool:
     raise UnresolvedShearError
 
 
-def _coefficient(type_: str, cycle: LargeCycle, theta: float) -> Coefficient:
-    if type_ == "LPC":
-        return fold(cycle)
-    return period_doubling(cycle) if type_ == "PD" else torus(cycle, theta)
+def _with_noise(cycle: LargeCycle, type_: str) -> Coefficient:
+    found, wider = coefficient(cycle, type_, cycle.theta), with_wider_stencils(cycle)
+    return found if wider is None else found.with_noise_from(coefficient(wider, type_, cycle.theta))
 
 
-def _with_noise(type_: str, cycle: LargeCycle, theta: float) -> Coefficient:
-    found = _coefficient(type_, cycle, theta)
+def with_wider_stencils(cycle: LargeCycle) -> LargeCycle | None:
+    """The cycle with other differences for its derivatives, which tell their errors; None where these are exact."""
     wider = cycle.problem.system.with_wider_stencils(WIDER)
-    if wider is None:
-        return found
-    other = _coefficient(type_, replace(cycle, system=wider), theta)
-    return replace(found, noise=SAFETY * abs(found.value - other.value))
+    return None if wider is None else replace(cycle, system=wider)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation import corrector
 from contin.continuation import march as python_march
 from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample
@@ -40,7 +41,7 @@ class MarchedInPython(OrbitCurveProblem):
         return own if own.curve.is_settled else own.settled(z, frame.scale)
 
     @abstractmethod
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> python_march.Linearisation | None:
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> corrector.Linearisation | None:
         """The factorised equations with the tangent as their last row; None where they are singular."""
 
     @abstractmethod

@@ -78,6 +78,13 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
         found: Profile = self.at(z).profile(self.orbit(z))
         return found
 
+    def family(self, z: Array, second: bool) -> tuple[Any, Array]:
+        """The family through the orbit in z, in the first parameter or the second one, and that orbit's own vector."""
+        orbits, orbit = self.at(z), self.orbit(z)
+        if not second:
+            return orbits, orbit
+        return orbits.with_active(self.system.parameter_names[self.second], orbit), np.append(orbit[:-1], z[-2])
+
 
 @dataclass(frozen=True, eq=False)
 class OrbitCurveProblem(OnAdaptiveMesh, TwoParameterProblem):

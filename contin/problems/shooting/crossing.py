@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation import march as generic
+from contin.continuation import corrector
 from contin.continuation.outcome import Failure
 from contin.machine import elementary
 from contin.problems.shooting.linear import family_tangents
@@ -70,7 +70,7 @@ def _orbit_across(
     problem: ShotEquations, z: Array, own: Array, across: Array, scale: Array, length: float
 ) -> Array | None:
     """Scaled offset of the orbit at this length along `across`, which is not one of the family along `own`."""
-    found = generic.correct(problem, z, across, length, length * across, scale, 1e-10)
+    found = corrector.correct(problem, z, across, length, length * across, scale, 1e-10)
     if isinstance(found, Failure):
         return None
     size = float(np.linalg.norm(found.y))

@@ -40,9 +40,7 @@ def at_rest(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame
     away = 1.0 if _extent_ahead(problem, origin, frame, 0.2 * extent) > extent else -1.0
     rows = [origin.z]
     for factor in LARGER[1:]:
-        s = away * (factor - 1.0) * extent
-        raw = np.where(origin.tangent == 0.0, 0.0, origin.tangent * frame.scale)
-        found = problem.probe(origin, s, origin.z + s * raw, frame, Settings())
+        found = _beside(problem, origin, frame, away * (factor - 1.0) * extent)
         if found is None:
             return None
         rows.append(found.z)
@@ -79,7 +77,12 @@ def _extent(problem: ShotEquations, z: Array, scale: Array) -> float:
     return float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, scale)))
 
 
-def _extent_ahead(problem: ShotEquations, origin: Sample, frame: Frame, s: float) -> float:
+def _beside(problem: ShotEquations, origin: Sample, frame: Frame, s: float) -> Sample | None:
+    """The orbit at the arclength s from `origin`."""
     raw = np.where(origin.tangent == 0.0, 0.0, origin.tangent * frame.scale)
-    found = problem.probe(origin, s, origin.z + s * raw, frame, Settings())
+    return problem.probe(origin, s, origin.z + s * raw, frame, Settings())
+
+
+def _extent_ahead(problem: ShotEquations, origin: Sample, frame: Frame, s: float) -> float:
+    found = _beside(problem, origin, frame, s)
     return np.inf if found is None else _extent(problem, found.z, frame.scale)

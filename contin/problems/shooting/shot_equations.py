@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation import march as generic
+from contin.continuation import corrector
 from contin.continuation.outcome import Failure
 from contin.kernels.tests_of_stability import map_tests
 from contin.problems.neutral_pairs import is_suspect, paired
@@ -83,7 +83,7 @@ class ShotEquations(ShotFamily):
         fixed[-1] = 1.0
         z0 = guess.copy()
         z0[-1] = value
-        found = generic.correct(self, z0, fixed, 0.0, np.zeros(len(scale)), scale, 1e-11)
+        found = corrector.correct(self, z0, fixed, 0.0, np.zeros(len(scale)), scale, 1e-11)
         if isinstance(found, Failure):
             return None
         z = found.z.copy()

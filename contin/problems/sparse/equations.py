@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from contin.abi import Array, Vector
-from contin.continuation.march import Correctable
+from contin.continuation.corrector import Correctable
 from contin.linalg.linear import Linear
 
 

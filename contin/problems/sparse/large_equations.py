@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation import march as python_march
+from contin.continuation import corrector
 from contin.linalg.beside_zero import beside_zero
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of
 from contin.linalg.eigen import FEWEST, Spectrum, followed
@@ -112,7 +112,7 @@ class LargeEquations(InOneParameterProblem):
         sign = linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
         return LargeLinearisation(f / scale[:-1], sign, scale, solution, row, self.work, z)
 
-    def again(self, here: python_march.Linearisation, z: Array) -> LargeLinearisation | None:
+    def again(self, here: corrector.Linearisation, z: Array) -> LargeLinearisation | None:
         """A linearisation of this problem with the residual at another point, for one more correction."""
         assert isinstance(here, LargeLinearisation)
         f = self.residual(z)

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation import corrector
 from contin.continuation import march as python_march
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Chunk, Frame, Sample
@@ -76,7 +77,7 @@ class LargeProblem(LargeEquations):
             self.begin(origin.z)
         return python_march.march(
             self, origin, before, length, frame, step, limit, bounds, settings, loop, self.again,
-            decisions=python_march.Decisions(cubic=True),
+            decisions=corrector.Decisions(cubic=True),
         )  # fmt: skip
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

@@ -74,16 +74,23 @@ class LargeLinearisation:
     rough: bool = False  # solves only as well as a correction with an old matrix needs
 
     @cached_property
-    def log_determinant(self) -> float:
-        """In place of log |det M|, which swings by many powers of ten when n is large: -log |M^-1 r|, r random.
+    def smallest(self) -> float | None:
+        """1 / |M^-1 r| with r random, about the smallest singular value of M; None where M has no factors.
 
-        The test for branch points becomes the determinant's sign times about the smallest singular value of M. (Smooth
-        null vectors are nearly orthogonal to an r of a pattern.)
+        (Smooth null vectors are nearly orthogonal to an r of a pattern.)
         """
-        if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
-            return 0.0
+        if isinstance(self._solution, KrylovBordered):
+            return None
         length = norm(self.solve(_generic(len(self.residual) + 1)))
-        return -elementary.log(length) if 0.0 < length < np.inf else 0.0
+        return 1.0 / length if 0.0 < length < np.inf else 0.0
+
+    @property
+    def log_determinant(self) -> float:
+        """In place of log |det M|, which swings by many powers of ten when n is large: log `smallest`.
+
+        The test for branch points becomes the determinant's sign times that. Where that sign is not known, nor is this.
+        """
+        return elementary.log(self.smallest) if self.smallest else 0.0
 
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""

@@ -18,16 +18,18 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
 from contin.linalg.bordered import Solver
+from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.multiple import multiple_directions
 from contin.normalforms.reduction import Reduction
-from contin.problems.sparse.reduced_equation import settled
+from contin.problems.sparse.reduced_equation import border_rows
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
 
-STEPS: Final = 12
+ONTO: Final = Rules(stalled=1e-6)  # onto the curve, (scaled) until rounding decides
+TOGETHER: Final = Rules(stalled=1e-7, far=1.0, growth=2.0)  # to the point, in the coordinates a
 CONSISTENT: Final = 1e-6  # what may be left of mu and its slopes, beside the second derivatives
 
 
@@ -50,25 +52,25 @@ class Assembled:
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """The reduction around `origin` (raw unknowns (n + 1,)) with border rows C (n + 1, k + 1) and columns B (n, k)."""
+    """The reduction around `origin` (raw unknowns (n + 1,)) with border rows C (n + 1, k + 1) and columns B (n, k).
+
+    scale : (n + 1,), in whose units z is measured and the rows C have length 1.
+    """
 
     problem: SparseEquations
     origin: Array
     rows: Array
     columns: Array
+    scale: Array
 
     @classmethod
     def of(cls, problem: SparseEquations, z: Array, vectors: Array, tangent: Array, scale: Array) -> Self:
         """vectors : (n, k) of the kernel, raw.  tangent : (n + 1,) of the branch, scaled."""
         k = vectors.shape[1]
         nulls = np.linalg.qr(np.vstack([vectors / scale[:-1, None], np.zeros((1, k))]))[0]
-        other = tangent - nulls @ (nulls.T @ tangent)
-        if norm(other) < 1e-6:
-            other = np.append(np.zeros(len(z) - 1), 1.0)
-        other = other / norm(other)
         linear, columns = problem.linear(z), nulls[:-1] * scale[:-1, None]
         columns = columns if linear is None else linear.weigh(columns)
-        return cls(problem, z, np.column_stack([nulls, other]) / scale[:, None], columns)
+        return cls(problem, z, border_rows(nulls, tangent, scale), columns, scale)
 
     @property
     def k(self) -> int:
@@ -91,13 +93,17 @@ class Kernel:
         n = len(self.origin) - 1
         return np.append(x[:n], x[-1]), x[n:-1]
 
-    def onto(self, z: Array, mu: Array, a: Array) -> tuple[Array, Array]:
-        """The point with C^T (z - origin) = a and F + B mu = 0, by Newton from (z, mu)."""
-        def correction(z: Array, mu: Array) -> tuple[Array, Array]:
-            f = self.problem.residual(z) + self.columns @ mu
-            return self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
+    def onto(self, z: Array, mu: Array, a: Array) -> tuple[Array, Array] | None:
+        """The point with C^T (z - origin) = a and F + B mu = 0, by Newton from (z, mu); None where that fails."""
 
-        return settled(correction, z, mu)
+        def correct(at: tuple[Array, Array]) -> tuple[float, tuple[Array, Array]]:
+            z, mu = at
+            f = self.problem.residual(z) + self.columns @ mu
+            dz, dmu = self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
+            return norm(dz / self.scale), (z + dz, mu + dmu)
+
+        found = newton(correct, (z, mu), ONTO)
+        return None if found is None else found.at
 
     def slopes(self, z: Array) -> tuple[Solver, Array, Array]:
         """The solver at z, z_i as rows (k + 1, n + 1), and mu_i as columns (k, k + 1)."""
@@ -119,10 +125,15 @@ class Kernel:
 
     def point(self) -> tuple[Array, float] | None:
         """The branch point and what is left of its equations, beside the second derivatives; None without one."""
-        z, mu, a = self.origin, np.zeros(self.k), np.zeros(self.k + 1)
-        before, left = np.inf, np.inf
-        for _ in range(STEPS):
-            z, mu = self.onto(z, mu, a)
+        here, left = (self.origin, np.zeros(self.k)), np.inf
+
+        def correct(a: Array) -> tuple[float, Array] | None:
+            nonlocal here, left
+            moved = self.onto(*here, a)
+            if moved is None:
+                return None
+            here = moved
+            z, mu = here
             solver, along, slopes = self.slopes(z)
             second, _ = self.curvatures(z, solver, along)
             size = float(np.abs(second).max())
@@ -131,16 +142,10 @@ class Kernel:
             wrong = np.concatenate([mu, slopes.ravel()])
             left = float(np.abs(wrong).max()) / size
             step = np.linalg.lstsq(np.vstack([slopes, second.reshape(-1, self.k + 1)]), -wrong)[0]
-            length = float(np.linalg.norm(step))
-            if not np.isfinite(length) or length > 1.0:
-                return None
-            if length >= 0.5 * before and length < 1e-7:
-                break
-            if length > 2.0 * before:
-                return None
-            a = a + step
-            before = length
-        return (z, left) if left < CONSISTENT else None
+            return norm(step), a + step
+
+        found = newton(correct, np.zeros(self.k + 1), TOGETHER)
+        return None if found is None or not left < CONSISTENT else (here[0], left)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,9 +12,8 @@ A branch point is where mu = mu_1 = mu_2 = 0; its branches leave along the zeros
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -29,21 +28,19 @@ if TYPE_CHECKING:
 
 STEPS: Final = 12
 EPSILON: Final = float(np.finfo(float).eps)
+ALONG: Final = 1e-6  # what is left of a tangent along null vectors
 STALLED: Final = 1e-7  # a correction that no longer falls is rounding of a nearly degenerate point
-M = TypeVar("M", float, Array)
 
 
-def settled(correction: Callable[[Array, M], tuple[Array, M]], z: Array, mu: M) -> tuple[Array, M]:
-    """(z, mu) by Newton's steps `correction`, until they no longer become smaller."""
-    before = np.inf
-    for _ in range(STEPS):
-        dz, dmu = correction(z, mu)
-        size = norm(dz)
-        if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * (norm(z) + 1.0)):
-            break
-        z, mu = z + dz, mu + dmu
-        before = size
-    return z, mu
+def border_rows(nulls: Array, tangent: Array, scale: Array) -> Array:
+    """C (n + 1, k + 1), raw: null vectors (n + 1, k), orthonormal and scaled, and the part of `tangent` across them.
+
+    Where the branch leaves along them, the direction of the parameter.
+    """
+    other = tangent - nulls @ (nulls.T @ tangent)
+    if norm(other) < ALONG:
+        other = np.append(np.zeros(len(tangent) - 1), 1.0)
+    return np.column_stack([nulls, other / norm(other)]) / scale[:, None]
 
 
 @dataclass(frozen=True, eq=False)

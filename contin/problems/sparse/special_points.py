@@ -7,6 +7,7 @@ the reduced equation. Errors are the scatter of results from points perturbed by
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.copies import kernel, rounding_of
-from contin.linalg.linear import Linear
+from contin.linalg.linear import Linear, fastest_rate
 from contin.linalg.newton import Rules, newton
 from contin.linalg.pencil import inverse_of
 from contin.linalg.vectors import norm
@@ -27,8 +28,8 @@ from contin.normalforms.directions import any_branch_point
 from contin.normalforms.later import stated
 from contin.problems.sparse import forms
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
-from contin.problems.sparse.reduced_equation import Reduced
-from contin.problems.sparse.zero_on_curve import PERTURBATION, SAMPLES, At, secant
+from contin.problems.sparse.reduced_equation import Reduced, border_rows
+from contin.problems.sparse.zero_on_curve import PERTURBATION, SAMPLES, At, zero_on_curve
 
 if TYPE_CHECKING:
     from contin.problems.sparse.large_equations import LargeEquations
@@ -86,7 +87,7 @@ def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame)
 
 
 def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
-    found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
+    found = zero_on_curve(problem, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return unverified("LP", "the parameter does not turn at one point of the curve")
     at, left, error = found.at, found.left, found.error
@@ -113,9 +114,9 @@ def linear_at(problem: LargeEquations, z: Array) -> Linear:
 
 
 def _floor(problem: LargeEquations, z: Array, frame: Frame) -> float:
-    """The residual that rounding leaves (scaled): it grows with the size of the Jacobian's entries."""
-    size = float(np.max(linear_at(problem, z).magnitude(np.ones(problem.n))))
-    return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
+    """The residual that rounding leaves (scaled), of the Jacobian's terms."""
+    terms = linear_at(problem, z).magnitude(np.abs(z[:-1]))
+    return 100.0 * EPSILON * float(np.max(terms / frame.scale[:-1]))
 
 
 def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
@@ -150,7 +151,7 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
         value, q = refine(linear_at(problem, at.z), value, q)
         return value.real / frequency
 
-    found = secant(problem, near, frame, growth)
+    found = zero_on_curve(problem, near, frame, growth)
     if found is None:
         return unverified("HB", "the real part of the eigenvalue has no zero nearby")
     at, left, error, slope = found.at, found.left, found.error, found.by_parameter
@@ -180,14 +181,9 @@ def reduction(problem: LargeEquations, z: Array, tangent: Array, scale: Array) -
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
     null = np.append(q, 0.0) / scale
     null /= norm(null)
-    other = tangent - (tangent @ null) * null
-    if norm(other) < 1e-6:  # the branch leaves along the eigenvector itself
-        other = np.append(np.zeros(problem.n), 1.0)
-    other /= norm(other)
-    rows = np.column_stack([null, other]) / scale[:, None]
     size = scale[:-1] / norm(null[:-1])
     column = linear_at(problem, z).weigh(null[:-1] * size)  # <p, M q> != 0, whatever <p, q> is
-    return Reduced(problem, rows, column, scale), q
+    return Reduced(problem, border_rows(null[:, None], tangent, scale), column, scale), q
 
 
 def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
@@ -199,12 +195,13 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
     residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(found.mu))
     if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
         return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
-    generator = np.random.default_rng(3)
-    scatter = 0.0
-    for _ in range(SAMPLES):
-        shifted = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
-        again = reduced.branch_point(shifted, found.hessian)
-        scatter = np.inf if again is None else max(scatter, abs(float(again.z[-1] - z[-1])))
+    hessian = found.hessian
+
+    def again(near: Array) -> Array | None:
+        crossing = reduced.branch_point(near, hessian)
+        return None if crossing is None else crossing.z
+
+    scatter = _scatter(z, frame.scale, again)
     spectrum = problem.spectrum(z, at_zero=True)
     together = _vanishing(problem, z, spectrum.values)
     if together > 1:  # rounding has split them, and some seem to cross next to the others
@@ -219,6 +216,15 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
     error = 4.0 * scatter + EPSILON * abs(float(z[-1])) + 3.0 * rounding
     unstable = int(np.sum(others.real > 0.0))
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
+
+
+def _scatter(z: Array, scale: Array, again: Callable[[Array], Array | None]) -> float:
+    """How far apart in the parameter z and results of `again` from places beside it are; inf where one fails."""
+    generator, worst = np.random.default_rng(3), 0.0
+    for _ in range(SAMPLES):
+        moved = again(z + PERTURBATION * scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size))
+        worst = max(worst, np.inf if moved is None else abs(float(moved[-1] - z[-1])))
+    return worst
 
 
 def _vanishing(problem: LargeEquations, z: Array, values: NDArray[np.complex128]) -> int:
@@ -248,11 +254,12 @@ def _multiple(problem: LargeEquations, near: Sample, frame: Frame, k: int) -> Ou
         return unverified("BP", f"{k} eigenvalues vanish near each other, not together")
     z, left = found
     residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), left)
-    generator, scatter = np.random.default_rng(3), 0.0
-    for _ in range(SAMPLES):
-        moved = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
-        again = replace(kernel, origin=moved).point()
-        scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
+
+    def again(near: Array) -> Array | None:
+        moved = replace(kernel, origin=near).point()
+        return None if moved is None else moved[0]
+
+    scatter = _scatter(z, frame.scale, again)
     spectrum = problem.spectrum(z, at_zero=True)
     others = np.delete(spectrum.values, np.argsort(np.abs(spectrum.values))[:k])
     reduction_ = ReducedJet(kernel, z).reduction
@@ -272,9 +279,8 @@ def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:
         raise InputError(problem.describe_failure(z))
     t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
     size = norm(t)  # is moderate by chance at a branch point, where the equations of t are singular but consistent
-    linear, d = problem.linear(z), scale[:-1]
-    largest = 1.0 if linear is None else float(np.max(linear.magnitude(d) / d))  # a rate: units of time are the user's
-    is_regular = here.log_determinant == 0.0 or elementary.exp(here.log_determinant) > SINGULAR * largest
+    largest = fastest_rate(linear_at(problem, z), scale[:-1])
+    is_regular = here.smallest is None or here.smallest > SINGULAR * largest
     if np.isfinite(size) and size < 1e8 and is_regular:
         return [t / size]
     try:

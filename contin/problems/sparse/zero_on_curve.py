@@ -12,18 +12,17 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation import march as python_march
+from contin.continuation import corrector
 from contin.continuation.outcome import Failure
 from contin.continuation.sample import Frame, Sample
+from contin.linalg.secant import SecantRules, SecantZero, secant
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import CorrectedEquations
 
-BUDGET: Final = 10  # of steps of the secant method
-RESOLVED: Final = 1e-9  # distance (scaled) from which two values of a measure tell its slope
-TRIAL: Final = 1e-4  # first step of the secant method (scaled arclength)
+SECANT: Final = SecantRules(trial=1e-4, far=0.3, stalled=1e-6, good=1e-4, resolved=1e-9, budget=10)  # scaled arclength
 PERTURBATION: Final = 1e-9
 NOISE: Final = 1e-7  # of a correction that rounding may be, on long connecting orbits
 ACCURACY: Final = 1e-13  # of the last Newton correction (or where rounding stops it)
@@ -44,13 +43,13 @@ def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Ar
     """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
     y = (guess - base.z) / frame.scale
 
-    def corrected(tolerance: float) -> python_march.Corrected | Failure:
-        if isinstance(problem, python_march.Sparing):
-            return python_march.correct(
+    def corrected(tolerance: float) -> corrector.Corrected | Failure:
+        if isinstance(problem, corrector.Sparing):
+            return corrector.correct(
                 problem, base.z, base.tangent, length, y, frame.scale, tolerance, problem.again,
                 decisions=problem.decisions,
             )  # fmt: skip
-        return python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, tolerance)
+        return corrector.correct(problem, base.z, base.tangent, length, y, frame.scale, tolerance)
 
     found = corrected(ACCURACY)
     if found is Failure.NO_CONTRACTION:  # from a guess that is as good as rounding allows, every correction is noise
@@ -83,7 +82,7 @@ class Zero:
     by_parameter: float
 
 
-def secant(problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure) -> Zero | None:
+def zero_on_curve(problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure) -> Zero | None:
     """The zero of `measure` near base."""
 
     def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
@@ -91,53 +90,31 @@ def secant(problem: CorrectedEquations, base: Sample, frame: Frame, measure: Mea
         at = point_at(problem, base, s, guess, frame)
         return None if at is None else (at, measure(at))
 
-    first = evaluate(0.0, None)
-    second = evaluate(TRIAL, None)
-    if first is None or second is None:
+    found = secant(evaluate, SECANT)
+    if found is None:
         return None
-    (s0, v0), (s1, at, v1) = (0.0, first[1]), (TRIAL, *second)
-    if abs(v0) < abs(v1):
-        s0, v0, s1, at, v1 = TRIAL, v1, 0.0, *first
-    slope, last = 0.0, np.inf
-    for _ in range(BUDGET):
-        if v1 == v0:
-            break
-        if slope == 0.0 or abs(s1 - s0) > RESOLVED:  # between nearer points the quotient is one of roundings
-            slope = (v1 - v0) / (s1 - s0)
-        step = -v1 / slope
-        if not np.isfinite(step) or abs(step) > 0.3 or (abs(step) >= 0.5 * last and last < 1e-6):
-            break
-        found = evaluate(s1 + step, at)
-        if found is None:
-            return None
-        s0, v0 = s1, v1
-        s1 += step
-        at, v1 = found
-        last = abs(step)
-        if last < 1e-13:
-            break
-    if not last < 1e-4:
-        return None
+    at, slope = found.at, found.slope
     rate = float(at.tangent[-1]) * float(frame.scale[-1])
     by_parameter = slope / rate if rate != 0.0 else np.inf
-    return Zero(at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope), slope, by_parameter)
+    error = _scatter(problem, base, frame, measure, found)
+    return Zero(at, found.value, error, slope, by_parameter)
 
 
 def _scatter(
-    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float,
-    slope: float,
-) -> float:  # fmt: skip
+    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure, found: SecantZero[At]
+) -> float:
     """Error of the parameter from the same evaluation at perturbed points."""
+    at, slope = found.at, found.slope
     generator = np.random.default_rng(2)
     worst = 0.0
     rate = float(at.tangent[-1])
     for _ in range(SAMPLES):
         shift = PERTURBATION * generator.uniform(-1.0, 1.0)
-        other = point_at(problem, base, s + shift, at.z, frame)
+        other = point_at(problem, base, found.s + shift, at.z, frame)
         if other is None:
             return np.inf
         moved = (other.z[-1] - at.z[-1]) / frame.scale[-1] - shift * 0.5 * (rate + float(other.tangent[-1]))
-        off = (measure(other) - value) / slope - shift if slope != 0.0 else 0.0
+        off = (measure(other) - found.value) / slope - shift if slope != 0.0 else 0.0
         bend = abs(float(other.tangent[-1]) - rate) / abs(shift)
         worst = max(worst, abs(moved) + abs(off * rate) + 0.5 * bend * elementary.square(off))
     return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))

@@ -113,13 +113,12 @@ class Monomials:
         return {m: c for m, c in found.items() if c}
 
 
-def summed(parts: Iterable[Terms], weights: Iterable[Fraction] | None = None) -> Terms:
-    """Weighted sum of expansions; by default each counts once."""
-    listed = list(parts)
+def summed(parts: Iterable[Terms]) -> Terms:
+    """The sum of expansions."""
     found: Terms = {}
-    for part, weight in zip(listed, weights if weights is not None else [Fraction(1)] * len(listed), strict=True):
+    for part in parts:
         for m, c in part.items():
-            found[m] = found.get(m, Fraction(0)) + weight * c
+            found[m] = found.get(m, Fraction(0)) + c
     return {m: c for m, c in found.items() if c}
 
 

@@ -102,15 +102,19 @@ class _Draws:
         return found
 
 
+def _relative(rates: Sequence[Expression], env: Mapping[str, Array], count: int) -> Array:
+    """Rates at points (at most count, n), each row divided by its largest; rows without a value, or of zeros, go."""
+    table = np.column_stack([np.broadcast_to(v, count) for v in sample(rates, env)])
+    size = np.abs(table).max(axis=1)
+    good = np.isfinite(size) & (size > 0.0)
+    return np.asarray(table[good] / size[good, None])
+
+
 def _values(rates: Sequence[Expression], draws: _Draws, count: int, varied: bool) -> Array | None:
     """Finite rates at random points, (at least count, n), each row divided by its largest; None where few are."""
     kept = np.empty((0, len(rates)))
     for _ in range(4):
-        env = draws.points(count, varied)
-        table = np.column_stack([np.broadcast_to(v, count) for v in sample(rates, env)])
-        size = np.abs(table).max(axis=1)
-        good = np.isfinite(size) & (size > 0.0)
-        kept = np.vstack([kept, table[good] / size[good, None]])
+        kept = np.vstack([kept, _relative(rates, draws.points(count, varied), count)])
         if len(kept) >= count or not len(kept):
             break
     return kept if len(kept) >= count else None
@@ -223,11 +227,7 @@ def _error(rates: Sequence[Expression], draws: _Draws, row: Row) -> float:
     if table is None:
         return float("inf")
     if any(node.op in PIECEWISE for node in postorder(rates)):
-        far = sample(parts, draws.points(CHECKS, varied=True, anywhere=True))
-        values = np.column_stack([np.broadcast_to(v, CHECKS) for v in far])
-        size = np.abs(values).max(axis=1)
-        good = np.isfinite(size) & (size > 0.0)
-        table = np.vstack([table, values[good] / size[good, None]])
+        table = np.vstack([table, _relative(parts, draws.points(CHECKS, varied=True, anywhere=True), CHECKS)])
     return float(np.abs(table.sum(axis=1)).max())
 
 

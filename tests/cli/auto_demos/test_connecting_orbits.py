@@ -10,6 +10,7 @@ from tests.cli.calls import call
 def test_mirror_images_end_at_one_homoclinic_orbit_where_their_folds_accumulate():
     """tor: p - p* falls by exp(-pi k/q) from fold to fold; Aitken's rule, twice, on the last six of them."""
     branches = branches_of("tor")
+    assert len(branches["other"]["ends"]) == 2
     for end in branches["other"]["ends"]:
         # folds at nu = -0.7604069193, -0.7188420834, -0.7316358380, -0.7281537738, -0.7291632519, -0.7288774659, ...
         assert abs(end["at"]["nu"] + 0.728941008) < end["error"] < 3e-7

@@ -57,7 +57,9 @@ def _hopf_label(plane):
 
 
 def test_from_hh_to_the_hopf_curve_of_the_other_pair():
-    for point in DOUBLE_HOPF.line().points:
+    points = DOUBLE_HOPF.line().points
+    assert len(points) == 2
+    for point in points:
         curve = DOUBLE_HOPF.curve(point.label)
         (other,) = curves_through(curve["HH1"])
         assert other.locus == "HB"

@@ -131,7 +131,7 @@ def test_a_family_that_shrinks_onto_a_doubly_degenerate_equilibrium_ends_there()
     (end,) = [e for e in family.ends if e.reason != "bound"]
     assert end.reason == "degenerate"
     amplitude, n = family.columns["x.max"], family.columns["n"]
-    assert amplitude.min() == pytest.approx(5e-6, rel=1.0)
+    assert 1e-6 < amplitude.min() < 1e-5
     small = (amplitude > 1e-3) & (amplitude < 5e-3)
     means = beta(3 / 4, 3 / 2) / beta(1 / 4, 3 / 2)  # u'^2 = (1 - u^4)/2
     np.testing.assert_allclose(n[small] / amplitude[small] ** 2, means, rtol=3e-6)

@@ -96,6 +96,7 @@ def test_new_factors_are_made_where_they_pay():
             last = k
         operator.used = k - last
     best = np.sqrt(2.0 * WORTH)  # the least of (WORTH + k^2/2) / k
+    assert len(intervals) > 3
     assert all(abs(i - best) <= 2.0 for i in intervals[1:])
 
 

@@ -200,6 +200,7 @@ def test_a_function_that_fails_ends_the_branch_with_its_reason_and_keeps_what_wa
 def test_a_jacobian_that_fails_ends_the_branch_with_its_reason():
     branch = parabola(jacobian=beyond(1.5, fails, lambda u, p: np.array([-2 * u])))
     assert [point.type for point in branch.points] == ["LP"]
+    assert len(branch.ends) == 2
     assert all("the Jacobian raised RuntimeError: no data" in end.text for end in branch.ends)
 
 

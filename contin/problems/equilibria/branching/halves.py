@@ -125,15 +125,12 @@ class Fan:
         return Contact(order, away * halves[sides[0][0]].direction)
 
 
-def fan(reduced: ReducedEquations, near: Sequence[Array] = ()) -> Fan | None:
-    """The half-branches at the point; None where no sphere tells them apart.
-
-    near : directions (n + 1,) about which they may crowd.
-    """
+def fan(reduced: ReducedEquations) -> Fan | None:
+    """The half-branches at the point; None where no sphere tells them apart."""
     before: list[Array] | None = None
     for inner, outer in pairwise(RADII):
-        here = _zeros(reduced, inner, near) if before is None else before
-        beyond = before = None if here is None else _zeros(reduced, outer, near)
+        here = _zeros(reduced, inner) if before is None else before
+        beyond = before = None if here is None else _zeros(reduced, outer)
         if here is None or beyond is None or len(here) != len(beyond):
             continue
         halves = _halves(reduced, here, beyond)
@@ -148,13 +145,9 @@ def _leading(offset: Array) -> float:
     return float(offset[-1] if abs(offset[-1]) > 1e-3 * size else offset[np.abs(offset) > 1e-3 * size][0])
 
 
-def _zeros(reduced: ReducedEquations, radius: float, near: Sequence[Array]) -> list[Array] | None:
+def _zeros(reduced: ReducedEquations, radius: float) -> list[Array] | None:
     """The zeros on a sphere, None where they are not all told apart."""
-    if reduced.corank == 1:
-        found = CircleZeros(reduced, radius).points()
-    else:
-        starts = [reduced.y + side * radius * d / float(np.linalg.norm(d)) for d in near for side in (1.0, -1.0)]
-        found = sphere_zeros(reduced, radius, starts)
+    found = CircleZeros(reduced, radius).points() if reduced.corank == 1 else sphere_zeros(reduced, radius)
     if found is None:
         return None
     return found if _nearest(found) > TOLD_APART else None

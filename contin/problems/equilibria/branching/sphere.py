@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -12,29 +11,22 @@ from contin.problems.equilibria.branching.reduced import ReducedEquations
 
 STARTS: Final = 120  # a dimension of the kernel
 ROUNDS: Final = 3  # ... so often again while the degree says that one is missing
-SPREAD: Final = (1.0, 0.3, 0.1)  # of starts about directions that solve the leading equations more than once
 SAME: Final = 1e-7  # of the radius: zeros this near are one
 DISTINCT: Final = 1e-5  # ... and must otherwise be this far apart
 
 
-def sphere_zeros(reduced: ReducedEquations, radius: float, known: Sequence[Array] = ()) -> list[Array] | None:
+def sphere_zeros(reduced: ReducedEquations, radius: float) -> list[Array] | None:
     """The zeros with |c| = radius, as points; None where they are not isolated, or one is missing by the degree of h.
 
-    known : points near zeros, and directions (k + 1,) are drawn about theirs, too. Degree 0 does not prove that all
-    are there: two of opposite sign may be missing.
+    Degree 0 does not prove that all are there: two of opposite sign may be missing.
     """
     generator = np.random.default_rng(7)
     m = reduced.kernel.shape[1]
     found: list[Array] = []
     signs = 0.0
-    for at in known:
-        _add(found, reduced.on_sphere(at, radius), radius)
-    directions = [reduced.kernel.T @ (at - reduced.y) / radius for at in known]
     for _ in range(ROUNDS):
-        for k in range(STARTS * (m - 1)):
+        for _ in range(STARTS * (m - 1)):
             c = generator.normal(size=m)
-            if directions and k % 2:
-                c = directions[k // 2 % len(directions)] + SPREAD[k % len(SPREAD)] * c / np.sqrt(m)
             c = c * radius / float(np.linalg.norm(c))
             _add(found, reduced.on_sphere(reduced.y + reduced.kernel @ c, radius), radius)
         distances = [float(np.linalg.norm(a - b)) for i, a in enumerate(found) for b in found[:i]]

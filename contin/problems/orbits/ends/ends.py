@@ -19,6 +19,7 @@ from contin.problems.orbits.ends.multiply_traversed import joined
 from contin.problems.orbits.ends.saddles import equilibria_of, extent_of
 from contin.problems.orbits.ends.unbounded_period import diverged
 from contin.problems.orbits.ends.vertical import unbounded
+from contin.problems.orbits.linearised.multipliers import of_rest
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.layout import Profile
 
@@ -88,14 +89,23 @@ def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
     return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
 
 
+def _shrinking(
+    problem: OrbitEquations | FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame, limit: float
+) -> float | None:
+    """The extent of an orbit, in units of the states' sizes, where it is below a limit and falls to an equilibrium."""
+    if problem.winding.any() or not problem.autonomous:
+        return None
+    sizes = problem.sizes(origin.z, frame.scale)
+    size = extent_of(problem.profile(origin.z), sizes)
+    return size if size <= limit and size < extent_of(problem.profile(before.z), sizes) else None
+
+
 def vanished(problem: OrbitEquations, origin: Sample, before: Sample, frame: Frame) -> End | None:
     """The equilibrium without a Hopf point, such as a doubly degenerate one, onto which a family shrinks."""
-    profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
-    size = extent_of(profile, sizes)
-    if problem.winding.any() or not problem.autonomous or size > VANISHED:
+    size = _shrinking(problem, origin, before, frame, VANISHED)
+    if size is None:
         return None
-    if size >= extent_of(problem.profile(before.z), sizes):
-        return None
+    profile = problem.profile(origin.z)
     name, centre = problem.parameters[0], profile.weights @ profile.u
     where = ", ".join(f"{s} = {v:.6g}" for s, v in zip(problem.system.state_names, centre, strict=True))
     at = f"at {name} = {profile.parameter:.10g} ({where}), period {profile.period:.3g}"
@@ -105,13 +115,10 @@ def vanished(problem: OrbitEquations, origin: Sample, before: Sample, frame: Fra
 
 def shrunk(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
+    size = _shrinking(problem, origin, before, frame, SMALL)
+    if size is None:
+        return None
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
-    size = extent_of(profile, sizes)
-    if problem.winding.any() or not problem.autonomous or size > SMALL:
-        return None
-    earlier = problem.profile(before.z)
-    if size >= extent_of(earlier, sizes):
-        return None
     rest = equilibria_of(problem)
     centre = profile.weights @ profile.u
     z = rest.at_parameter(np.append(centre, profile.parameter), profile.parameter, np.append(sizes, frame.scale[-1]))
@@ -127,7 +134,7 @@ def shrunk(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame
     if abs(frequency - omega) > 0.2 * omega or float(np.linalg.norm(y - z / metric)) > 2.0 * size:
         return None
     at = float(y[-1] * metric[-1])
-    missed = abs(at - _vanishing(profile, earlier, sizes))
+    missed = abs(at - _vanishing(profile, problem.profile(before.z), sizes))
     if missed > MISSED * abs(at - profile.parameter) + VERTICAL * float(frame.scale[-1]):
         return None
     solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, frequency)
@@ -138,13 +145,10 @@ def shrunk(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame
         profile, u=np.tile(found[:-1], (len(profile.u), 1)), period=2.0 * np.pi / frequency, parameter=float(found[-1])
     )
     values: Vector = np.linalg.eigvals(rest.linear_part(found))
-    order = np.argsort(np.minimum(np.abs(values - 1j * frequency), np.abs(values + 1j * frequency)))
-    others = values[order[2:]]
-    with np.errstate(over="ignore"):
-        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * point.period)]).astype(complex)
+    unstable, multipliers = of_rest(values, frequency, point.period)
     name = problem.parameters[0]
     where = ", ".join(f"{s} = {v:.10g}" for s, v in zip(problem.system.state_names, found[:-1], strict=True))
     text = f"the orbits shrink to the Hopf point at {name} = {found[-1]:.12g} ({where}), period {point.period:.10g}"
     end = End("hopf", text, {"at": {name: float(found[-1])}, "error": solved.error * float(frame.scale[-1])})
-    last = Sample(point.vector(), origin.tangent, origin.tests, int(np.sum(others.real > 0)), multipliers)
+    last = Sample(point.vector(), origin.tangent, origin.tests, unstable, multipliers)
     return Ending(end, last)

@@ -22,6 +22,16 @@ def nontrivial(problem: FamilyOfOrbits, values: Multipliers) -> Multipliers:
     return values[1:] if problem.autonomous else values
 
 
+def of_rest(values: Multipliers, omega: float, period: float) -> tuple[int, Multipliers]:
+    """Of a Hopf point with these eigenvalues, as an orbit: how many are unstable beside the pair +-i omega, and
+    multipliers exp(l T), 1 twice first."""
+    order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
+    others = values[order[2:]]
+    with np.errstate(over="ignore"):
+        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * period)]).astype(complex)
+    return int(np.sum(others.real > 0.0)), multipliers
+
+
 def critical(type_: str, theta: float) -> tuple[complex, ...]:
     """The multipliers that are on the unit circle at a special orbit; of NS exp(+-i theta)."""
     if type_ == "NS":

@@ -22,8 +22,8 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.outcome import Verified
 from contin.kernels.collocation_basis import basis
+from contin.normalforms import cycles
 from contin.normalforms.coefficient import Coefficient
-from contin.normalforms.cycles import fold, period_doubling, torus
 from contin.normalforms.result import sense
 from contin.problems.algebraic_states import massless
 from contin.problems.orbits.linearised.bordered import Bordered, Borders, factors
@@ -76,10 +76,7 @@ def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:
 
 def coefficient(problem: OrbitEquations, type_: str, solved: SolvedOrbit) -> Coefficient:
     """b of LPC, c of PD or d of NS."""
-    forms = Forms(OrbitLinear(problem, solved.z, solved.scale, solved.z))
-    if type_ == "LPC":
-        return fold(forms)
-    return period_doubling(forms) if type_ == "PD" else torus(forms, solved.theta)
+    return cycles.coefficient(Forms(OrbitLinear(problem, solved.z, solved.scale, solved.z)), type_, solved.theta)
 
 
 @dataclass(frozen=True, eq=False)

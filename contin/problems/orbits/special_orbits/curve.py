@@ -24,7 +24,7 @@ from contin.kernels.collocation_basis import basis
 from contin.kernels.special_orbits.march import CORRECT, MARCH, MEASURE, follow_special
 from contin.kernels.special_orbits.memory import NOT_FINITE, TEST_COUNTS, Curve
 from contin.machine import elementary
-from contin.normalforms.cycles import period_doubling, torus
+from contin.normalforms.cycles import coefficient
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.march.rows import Rows
 from contin.problems.orbits.normal_forms.normal_form import Forms
@@ -83,8 +83,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         orbit = self.orbit(z)
         linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
         known = self.critical.setdefault("borders", {})
-        forms = Forms(linear, known)
-        found = period_doubling(forms) if self.type == "PD" else torus(forms, self.theta(z))
+        found = coefficient(Forms(linear, known), self.type, self.theta(z))
         return found.value.real, found.size
 
     # -- the kernel ---------------------------------------------------------------------------------------------------
