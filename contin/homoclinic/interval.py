@@ -28,7 +28,7 @@ class Reach:
 
 HYPERBOLIC: Final = Reach(1e-5, 3e-4, 1e-8)
 SADDLE_NODE: Final = Reach(3e-4, 3e-3, 1e-7)  # approached like 1 / t; the strong directions damp the projections' error
-ADDED = 6  # intervals of a arc that is added
+ADDED = 6  # intervals of an arc that is added
 LEAST = 0.3  # part of its neighbour below which a cut interval is none of its own
 
 

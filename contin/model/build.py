@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contin.errors import InputError
 from contin.model import schema
@@ -39,9 +39,6 @@ from contin.model.starts import StartReader
 from contin.model.symmetry import check_symmetries
 from contin.model.values import parameter_values
 from contin.records import Record
-
-if TYPE_CHECKING:
-    pass
 
 
 def parts_from_mapping(

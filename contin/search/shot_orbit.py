@@ -25,6 +25,7 @@ from contin.search.orbit_by_simulation import (
     orbit_by_simulation,
     refuse_chance,
 )
+from contin.simulate.flight import fly
 from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
@@ -100,8 +101,6 @@ def _covered(orbit: ShotOrbit, loops: int, periods: Array) -> int:
     A transient that has nearly gone closes best after several forcing periods or loops. Run through several times, an
     orbit has the multipliers' powers, and a doubling passes for a branch point.
     """
-    from contin.simulate.flight import fly
-
     whole, limit = most_repeats(orbit, loops, periods)
     if whole == 1:
         return 1
@@ -121,8 +120,6 @@ def orbit_from_return(
     system: CompiledSystem, u: Array, p: Array, periods: Array, period: float, multiple: int, segments: int | None
 ) -> ShotOrbit:
     """The orbit next to a trajectory that nearly returns to u after `period`, by Newton at fixed parameters."""
-    from contin.simulate.flight import fly
-
     angles = periods > 0.0
     unit = np.where(angles, periods, 1.0)
     u = np.where(angles, u - periods * np.floor(u / unit), u)

@@ -8,6 +8,9 @@ import scipy.sparse
 
 import contin
 from contin.errors import NoSolutionError
+from contin.problems.sparse.jacobian import JacobianSource
+from contin.search.large_equilibrium import LargeEquilibrium
+from contin.search.relaxed_large import relax_large
 
 SCHNAKENBERG = """
 contin: 1
@@ -99,3 +102,20 @@ def test_where_nothing_rests_it_is_said():
 def test_a_start_that_newton_does_not_solve_names_the_way_out():
     with pytest.raises(NoSolutionError, match=r"start: auto"):
         contin.api.equilibrium(bratu_without_a_solution())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_neutral_rest_is_not_unstable_by_rounding(seed):
+    """Heat on a ring with random conductances and capacities c: sum c u is conserved, an eigenvalue is 0."""
+    generator, n = np.random.default_rng(seed), 80
+    turn = scipy.sparse.csc_matrix(np.roll(np.eye(n), 1, axis=0)) - scipy.sparse.identity(n)
+    c = np.exp(generator.normal(size=n))
+    matrix = scipy.sparse.diags(-1.0 / c) @ turn.T @ scipy.sparse.diags(generator.uniform(0.5, 2.0, n)) @ turn
+    start = 2.0 + np.sin(2.0 * np.pi * np.arange(n) / n)
+    problem = contin.FunctionProblem(
+        lambda u, p: p["rate"] * (matrix @ u), start, {"rate": 1e3}, lambda u, p: (p["rate"] * matrix).tocsc()
+    )
+    system, p = problem.system(), np.array([1e3])
+    end = relax_large(system, start, p, lambda u: LargeEquilibrium(system, u, p, JacobianSource(system)))
+    assert (end.outcome, end.stable) == ("rest", True)
+    assert end.u == pytest.approx(c @ start / c.sum(), rel=1e-4)

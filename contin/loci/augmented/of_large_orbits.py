@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 Image = Callable[[LargeOrbitProblem, Array], Vector | None]
 STEP: Final = 1e-5  # of differences, relative to sizes of the metric
 SETTLED: Final = 1e-12  # correction of a multiplier
-TURNS: Final = 8
+BUDGET: Final = 8  # of corrections
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ def eigenpair(sweeps: Sweeps, value: complex, b: Vector, c: Vector) -> Eigenpair
     n = sweeps.n
     last = np.append(np.zeros(n), 1.0).astype(np.result_type(b, c, value))
     mu = value
-    for _ in range(TURNS):
+    for _ in range(BUDGET):
 
         def forward(x: Vector, mu: complex = mu) -> Vector:
             return np.append(sweeps.monodromy(x[:n]) - mu * x[:n] + b * x[n], np.einsum("i,i->", c, x[:n]))

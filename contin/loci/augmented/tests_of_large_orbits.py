@@ -34,13 +34,14 @@ def measured_at(
 ) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests, the number of unstable multipliers without the critical ones, all multipliers with the trivial one.
 
-    graded : False: the coefficient is NaN, which is no change of sign.
+    graded : False: the coefficient is NaN, which is no change of sign; so are all tests without a critical multiplier.
     """
     values, vectors = family.multipliers(z)
     whole = np.append(1.0 + 0.0j, values)
     k = critical_index(values, type_)
-    if k is None:
-        return np.full(4 if type_ != "NS" else 8, np.nan), 0, whole
+    if k is None:  # the pair has met on the real line, say; what is critical is nearest to the unit circle
+        beside = np.argsort(np.abs(np.abs(values) - 1.0))[2 if type_ == "NS" else 1 :]
+        return np.full(4 if type_ != "NS" else 8, np.nan), tests_of(values[beside])[1], whole
     others = others_of(values, type_)
     (pairs, flips, ones), unstable = tests_of(others)
     cycle, value = LargeCycle.with_critical(family, z, values[k], vectors[:, k]), float("nan")

@@ -21,8 +21,8 @@ from contin.lowering.system import CompiledSystem
 from contin.simulate.reach import POLE
 from contin.systems.protocol import System
 
-NEAR_MASSLESS: Final = 1e-7  # the same, of a vanishing mass: nothing but rates grow there
 NEAR: Final = 1e-4  # scaled length of a step across the singularity from which it is approached no further
+NEAR_MASSLESS: Final = 1e-7  # the same, of a vanishing mass: nothing but rates grow there
 SHORTER: Final = 8.0
 AHEAD: Final = 4.0  # in units of NEAR: where the singularity is looked for
 ITERATIONS: Final = 6
@@ -86,7 +86,7 @@ def end_without_mass(
     z = np.array([origin.z, origin.z + AHEAD * NEAR_MASSLESS * frame.scale * origin.tangent])
     values = system.masses(np.ascontiguousarray(z[:, : len(system.state_names)]), rows_of_parameters(z))
     for mass, along in zip(system.vanishing, values.T, strict=True):
-        if along[0] * along[1] > 0.0:
+        if np.sign(along[0]) == np.sign(along[1]) != 0.0:  # (a product may be too small for a number)
             continue
         share = along[0] / (along[0] - along[1])
         at = float(z[0, -1] + share * (z[1, -1] - z[0, -1]))
