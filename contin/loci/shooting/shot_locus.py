@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation import march as generic
+from contin.continuation import corrector
 from contin.continuation.outcome import Failure, Outcome, Verified
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
@@ -87,7 +87,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         found = super().probe(base, length, guess, frame, settings)
         if found is None:
             offset = (guess - base.z) / frame.scale
-            nearer = generic.correct(self, base.z, base.tangent, length, offset, frame.scale, ONE_CORRECTION)
+            nearer = corrector.correct(self, base.z, base.tangent, length, offset, frame.scale, ONE_CORRECTION)
             if isinstance(nearer, Failure):
                 return None
             found = super().probe(base, length, nearer.z, frame, settings)
