@@ -21,8 +21,11 @@ from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
 from contin.loci.augmented.curve_equations import TURNS, Bounds, Near
 from contin.loci.augmented.large_orbits import LargeOrbitBase
+from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.without_coefficients import with_remark
-from contin.problems.large_orbits.multipliers import stay_outside
+from contin.machine import elementary
+from contin.problems.large_orbits.codimension_two import why_none, with_coefficients
+from contin.problems.large_orbits.multipliers import critical_index, stay_outside
 from contin.problems.large_orbits.radau import Trajectory
 from contin.problems.orbits.hopf_end import cut_at_birth, has_shrunk, is_growing
 from contin.problems.orbits.zero_of_test import Zero, zero_of_test
@@ -127,13 +130,29 @@ class LargeOrbitCurve(AugmentedCurve):
             return NOTHING  # the curve turns round at its generalised Hopf point
         if not zero.value <= RESIDUAL_LIMIT:
             return unverified(type_, f"its test function jumps across zero (residual {zero.value:.1e})")
-        fine = curve._on_finer_mesh(found, frame, index)
-        if fine is None:
+        finer = curve._on_finer_mesh(found, frame, index)
+        if finer is None:
             return unverified(type_, "it is not there on a mesh of half the lengths")
+        there, fine = finer
         moved = float(np.abs(fine.sample.z[[-1, -2]] - found.z[[-1, -2]]).max())
         error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
         point = Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
-        return with_remark(point, "orbits of large systems")
+        return self._with_coefficients(point, there.base, fine.sample.z)
+
+    def _with_coefficients(self, point: Verified, finer: LargeOrbitBase, z: Array) -> Verified:
+        """finer, z : the base of the curve on half the lengths, and the point there."""
+        coarse = self.base.at(point.z), self.base.inner(point.z)
+        why = why_none(point.type, coarse[0])
+        if why is not None:
+            return with_remark(point, f"orbits of large systems: {why}")
+        angle = ANGLES.get(point.type, 0.0)
+        if point.type == "CH":
+            values = point.eigenvalues[1:]  # without the trivial one
+            k = critical_index(values, self.type)
+            if k is None:
+                return with_remark(point, "orbits of large systems: the pair on the unit circle is lost")
+            angle = float(elementary.angle(values[k]))
+        return with_coefficients(point, angle, coarse, (finer.at(z), finer.inner(z)))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = a.tests[TURNS:] * b.tests[TURNS:] < 0.0
@@ -150,9 +169,10 @@ class LargeOrbitCurve(AugmentedCurve):
         found = curve.probe(near, 0.0, near.z.copy(), Frame(scale), Settings())
         return None if found is None else (curve, found, Frame(scale))
 
-    def _on_finer_mesh(self, found: Sample, frame: Frame, index: int) -> Zero | None:
+    def _on_finer_mesh(self, found: Sample, frame: Frame, index: int) -> tuple[LargeOrbitCurve, Zero] | None:
         fine = self.refined(found, frame)
-        return None if fine is None else zero_of_test(*fine, index, BRACKET)
+        zero = None if fine is None else zero_of_test(*fine, index, BRACKET)
+        return None if fine is None or zero is None else (fine[0], zero)
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * scale[-2:]

@@ -23,12 +23,13 @@ def folding(z, p):
 
 
 def doubling_and_torus(z, p):
-    """As in `test_normal_forms`, with the torus' frequency, K and the rate of the plane as parameters."""
+    """As in `test_normal_forms`, with the torus' frequency, K, the rate of the plane and a term of fifth order as
+    parameters."""
     x, y, w1, w2, v1, v2 = z
     k, e = p["k"], 0.5 + p["e"]
     mu, r2, w, v = p["mu"], x * x + y * y, w1 * w1 + w2 * w2, v1 * v1 + v2 * v2
     growth, speed = mu - r2 + M * (w + v), 1.0 + 0.2 * v
-    gain = mu - 0.3 + GAIN * (r2 - mu) - k * v
+    gain = mu - 0.3 + GAIN * (r2 - mu) - k * v - p["q"] * v * v
     turn = p["omega"] - 0.4 * v
     return np.array([
         growth * x - speed * y, growth * y + speed * x,
@@ -39,11 +40,15 @@ def doubling_and_torus(z, p):
 
 def found_on(curve, labels):
     assert [point.type for point in curve.points] == labels
-    for point in curve.points:
-        assert any(
-            "coefficients of its normal form are not computed" in note and point.type in note for note in curve.notes
-        )
+    assert not any("its normal form" in note for note in curve.notes)
     return curve.points
+
+
+def agrees(point, **planted):
+    """Coefficients are those that were planted to their errors, which are small."""
+    for name, value in planted.items():
+        error = point.normal_form["errors"][name]
+        assert abs(np.asarray(point.normal_form[name]) - value).max() <= error <= 3e-3 * max(1.0, abs(value))
 
 
 @pytest.mark.parametrize("a", [-0.72, pytest.param(-0.6, marks=pytest.mark.long)])
@@ -57,23 +62,29 @@ def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
         r2 = planted[point.type]
         assert abs(point.values["a"] - (3 * r2 * r2 - 3 * r2)) < point.error < MESH
         assert abs(point.values["mu"] - (1.5 * r2 * r2 - 2 * r2**3)) < point.error
+        if point.type == "CPC":  # r' = -r (R - 1/2)^3, R - 1/2 = 2 r xi
+            agrees(point, c=-2.0)
+        else:  # r' = r (3 - 6 R)/2 (R - .36)^2, for either sense of xi
+            a = 0.42 * 4.0 * 0.36 * 0.6
+            agrees(point, a=float(np.copysign(a, point.normal_form["a"])), b=0.0)
     assert not any("unstable changes" in note for note in curve.notes)
 
 
 @pytest.fixture(scope="module")
 def planted():
     return family(
-        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34}),
+        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34, "q": 0.0}),
         (-0.1, 0.32),
         intervals=INTERVALS,
     )
 
 
 def test_a_generalised_period_doubling(planted):
-    """c = M/(2 r) - k vanishes at r = 1/2."""
+    """c = M/(2 r) - k vanishes at r = 1/2; r = sqrt(mu + M w^2) has -M^2/(8 r^3) w^4."""
     curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.6, 0.75)})
     (point,) = found_on(curve, ["GPD"])
     assert abs(point.values["k"] - M) < point.error < MESH
+    agrees(point, e=-M * M)
 
 
 @pytest.mark.long
@@ -81,6 +92,7 @@ def test_a_1_to_3_resonance(planted):
     curve = contin.continuation(planted["NS1"].locus(), ("mu", "omega"), {"mu": (0.1, 0.5), "omega": (0.32, 0.35)})
     (point,) = found_on(curve, ["R3"])
     assert abs(point.values["omega"] - 1.0 / 3.0) < point.error < MESH
+    agrees(point, B=0.0)  # it turns as it is
 
 
 @pytest.mark.long
@@ -89,16 +101,29 @@ def test_a_torus_next_to_a_doubling(planted):
     curve = contin.continuation(planted["PD1"].locus(), ("mu", "e"), {"mu": (0.2, 0.32), "e": (-0.01, 0.06)})
     (point,) = found_on(curve, ["GPD", "PDNS"])[1:]
     assert abs(point.values["e"] - (np.sqrt(0.3) - 0.5)) < point.error < MESH
+    k, r, period = 0.65, np.sqrt(0.3), 2.0 * np.pi  # with w = xi_1, |v| = sqrt(2) |xi_2|, r = sqrt(mu + M (w^2 + v^2))
+    rates = {"p11": M / (2 * r) - k, "p12": M / r, "p21": GAIN * M, "p22": 2 * (GAIN * M - k)}
+    agrees(point, **{name: period * rate for name, rate in rates.items()})
 
 
 @pytest.mark.long
 def test_a_chenciner_point():
-    """Re d = 2 GAIN M - 2 k."""
+    """Re d = 2 GAIN M - 2 k; |v|' = -q |v|^5 where that vanishes, |v| = sqrt(2) |xi|."""
     planted = family(
-        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.2, "e": 0.0, "omega": 0.4}),
+        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.2, "e": 0.0, "omega": 0.4, "q": 0.3}),
         (-0.1, 0.35),
         intervals=INTERVALS,
     )
     curve = contin.continuation(planted["NS1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.15, 0.25)})
     (point,) = found_on(curve, ["CH"])
     assert abs(point.values["k"] - GAIN * M) < point.error < MESH
+    agrees(point, l2=-4.0 * 0.3)
+
+
+def test_more_states_than_a_matrix_is_made_of_have_a_remark(planted, monkeypatch):
+    monkeypatch.setattr("contin.problems.large_orbits.codimension_two.MOST", 5)
+    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.6, 0.75)})
+    (point,) = curve.points
+    assert point.type == "GPD"
+    assert not point.normal_form
+    assert any("GPD" in note and "not computed for orbits of large systems" in note for note in curve.notes)

@@ -28,7 +28,7 @@ from contin.problems.algebraic_states import massless
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.normal_forms.normal_form import eigenfunction
 from contin.problems.orbits.normal_forms.of_return_maps import MeasuredMap, coefficients_of
-from contin.problems.orbits.normal_forms.return_map import ReturnMap
+from contin.problems.orbits.normal_forms.return_map import Collocated, ReturnMap
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
@@ -53,16 +53,17 @@ def with_coefficients(point: Verified, theta: float, coarse: OrbitLinear, fine: 
 
 
 def _form(type_: str, theta: float, coarse: OrbitLinear, fine: OrbitLinear) -> dict[str, object]:
-    first = ReturnMap(coarse)
-    return coefficients_of(type_, theta, (_measured(first), _measured(ReturnMap(fine, like=first))))
+    first = ReturnMap(Collocated(coarse))
+    second = ReturnMap(Collocated(fine), like=first)
+    return coefficients_of(type_, theta, (_measured(coarse, first), _measured(fine, second)))
 
 
-def _measured(cycle: ReturnMap) -> MeasuredMap:
-    return MeasuredMap(cycle.jet(), cycle.linear.profile.period, lambda rho, _: _length(cycle, rho))
+def _measured(linear: OrbitLinear, returns: ReturnMap) -> MeasuredMap:
+    return MeasuredMap(returns.jet(), linear.profile.period, lambda rho, _: _length(linear, returns, rho))
 
 
-def _length(cycle: ReturnMap, rho: complex) -> float:
+def _length(linear: OrbitLinear, returns: ReturnMap, rho: complex) -> float:
     """Of the eigenfunction across the cycle at the section, in that of a unit vector there."""
     real = abs(rho.imag) < np.finfo(float).eps * 8.0
-    v = eigenfunction(cycle.linear, float(np.sign(rho.real)) if real else rho)
-    return float(np.linalg.norm(cycle.coordinates(v[0])))
+    v = eigenfunction(linear, float(np.sign(rho.real)) if real else rho)
+    return float(np.linalg.norm(returns.coordinates(v[0] / linear.sizes)))

@@ -68,7 +68,7 @@ def coefficients_of(
     others = [_scaled(type_, normal_form(type_, jets[1], frequency=theta), lengths[1], second)]
     for a, b in beyond:
         form = normal_form(type_, Combined(jets[0], jets[1], a, b), frequency=theta)
-        others.append(_scaled(type_, form, a * lengths[0] + b * lengths[1], first))
+        others.append(_scaled(type_, form, a * lengths[0] + b * lengths[1], a * first + b * second))
     others += [_scaled(type_, normal_form(type_, jet, frequency=theta), lengths[0], first) for jet in rounded(jets[0])]
     return _stated(type_, own, others)
 

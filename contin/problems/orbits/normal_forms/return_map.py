@@ -11,7 +11,8 @@ The trajectory through phi(y) comes to the section <n, x - gamma(0)> = 0, n alon
 tau(y) more: w(1) of w' = tau f(w) (in theta = t / tau), w(0) = phi(y). The derivatives of w along D are polynomials in
 theta of degree |D|, those of tau follow from <n, w_D(1)> = 0. Of a forced cycle phi is the map.
 
-Coordinates: an orthonormal basis of the section, in the states' sizes.
+Coordinates: an orthonormal basis of the section, in the states' sizes. What goes once round the cycle is the
+discretisation's own (`AlongCycle`).
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -35,20 +36,31 @@ HIGHEST: Final = 5  # order; of Gauss points in theta, with which polynomials of
 Key = tuple[int, ...]  # directions, by number, in order; of several that are equal each is named
 
 
-@dataclass(frozen=True, eq=False)
-class ReturnMap:
-    """The map of `linear`'s cycle at the first node of its mesh.
+class AlongCycle(Protocol):
+    """The linearised flow along a cycle, in the states' sizes; functions are their values at the mesh's points."""
 
-    like : the map of a cycle nearby, whose coordinates these are near to.
-    """
+    @property
+    def is_forced(self) -> bool: ...
+
+    @property
+    def field_at_start(self) -> Array:
+        """f at the first node, (n,)."""
+
+    def once_round(self, start: Array, right: Array | None) -> tuple[Array, Array]:
+        """The solution from `start` (n,) with a right-hand side at the points: there, and at the end (n,)."""
+
+    def apply(self, *functions: Array) -> Array:
+        """D^k f [w_1, .., w_k] at the points."""
+
+    def apply_at_start(self, *functions: Array) -> Array:
+        """The same at the first node, functions (K, n)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Collocated:
+    """That of an orbit by collocation, with its own equations."""
 
     linear: OrbitLinear
-    like: ReturnMap | None = None
-    _starts: list[Array] = field(default_factory=list)  # directions, (n,) in the states' sizes
-    _numbers: dict[bytes, int] = field(default_factory=dict)
-    _along: dict[Key, tuple[Array, Array]] = field(default_factory=dict)  # v_D at the Gauss points, and at the end
-    _across: dict[Key, tuple[Array, Array]] = field(default_factory=dict)  # w_D likewise
-    _times: dict[Key, float] = field(default_factory=dict)  # tau_D
 
     @property
     def is_forced(self) -> bool:
@@ -56,49 +68,7 @@ class ReturnMap:
 
     @cached_property
     def field_at_start(self) -> Array:
-        """f at the first node, (n,) in the states' sizes."""
         return np.asarray(self.linear.field[0] / self.linear.sizes)
-
-    @cached_property
-    def axis(self) -> int:
-        """Of the largest component of f."""
-        return int(np.argmax(np.abs(self.field_at_start))) if self.like is None else self.like.axis
-
-    @cached_property
-    def section(self) -> Array:
-        """Orthonormal columns, (n, n - 1): those of the reflection that takes n to an axis; forced: all axes."""
-        n = self.linear.profile.n
-        if self.is_forced:
-            return np.eye(n)
-        normal = self.field_at_start / np.linalg.norm(self.field_at_start)
-        mirror = normal.copy()
-        mirror[self.axis] += np.copysign(1.0, normal[self.axis])
-        reflection = np.eye(n) - 2.0 * np.outer(mirror, mirror) / (mirror @ mirror)
-        return np.delete(reflection, self.axis, axis=1)
-
-    def coordinates(self, x: Array) -> Array:
-        """Of a vector at the first node (n,), model's units, moved along f into the section, (n - 1,)."""
-        return np.asarray((x / self.linear.sizes) @ self.section)
-
-    def jet(self) -> DerivativeJet:
-        """The map's derivatives at its fixed point."""
-        unit = np.eye(self.section.shape[1])
-        matrix = np.column_stack([self._derivative((d,)) for d in unit])
-        return DerivativeJet(without_rounding(matrix), self._derivative, kind="map", scale=np.ones(len(unit)))
-
-    def _derivative(self, directions: tuple[Real, ...]) -> Real:
-        key = tuple(sorted(self._number(d) for d in directions))
-        end = self._flow(key)[1] if self.is_forced else self._returned(key)[1]
-        return np.asarray(end @ self.section)
-
-    def _number(self, direction: Real) -> int:
-        known = direction.tobytes()
-        if known not in self._numbers:
-            self._numbers[known] = len(self._starts)
-            self._starts.append(self.section @ direction)
-        return self._numbers[known]
-
-    # -- once round the cycle -----------------------------------------------------------------------------------------
 
     @cached_property
     def _forms(self) -> Forms:
@@ -114,21 +84,11 @@ class ReturnMap:
         inverse = np.asarray(np.linalg.inv(blocks[:, :, n:]), float)
         return inverse, -inverse @ blocks[:, :, :n]
 
-    def _flow(self, key: Key) -> tuple[Array, Array]:
-        if key not in self._along:
-            if len(key) == 1:
-                self._along[key] = self._round(self._starts[key[0]], None)
-            else:
-                right = np.asarray(_sum_over_partitions(key, self._apply, lambda block: self._flow(block)[0]))
-                self._along[key] = self._round(np.zeros(self.linear.profile.n), right)
-        return self._along[key]
-
-    def _apply(self, *functions: Array) -> Array:
+    def apply(self, *functions: Array) -> Array:
         sizes = self.linear.sizes
         return self._forms.apply(*(v * sizes for v in functions)) / sizes
 
-    def _round(self, start: Array, right: Array | None) -> tuple[Array, Array]:
-        """The solution from `start` with a right-hand side at the Gauss points: there, and at the end."""
+    def once_round(self, start: Array, right: Array | None) -> tuple[Array, Array]:
         profile, (inverse, transfer) = self.linear.profile, self._local
         n, m, count = profile.n, profile.m, profile.intervals
         forced: Array = np.zeros((count, m * n))
@@ -143,11 +103,93 @@ class ReturnMap:
         nodes = np.concatenate([ends[:-1, None], inner], axis=1)
         return np.asarray(np.einsum("cj,ijk->ick", basis(m).values, nodes)), ends[-1]
 
+    def apply_at_start(self, *functions: Array) -> Array:
+        problem, sizes, count = self.linear.problem, self.linear.sizes, len(functions[0])
+        u = np.tile(self.linear.profile.u[0], (count, 1))
+        p = np.tile(problem.full_parameters(self.linear.z), (count, 1))
+        still = np.zeros((count, problem.system.p_size))
+        found = problem.system.derivatives(u, p, *(np.hstack([w * sizes, still]) for w in functions))
+        return np.asarray(found / sizes)
+
+
+@dataclass(frozen=True, eq=False)
+class ReturnMap:
+    """The map of a cycle at the first node of its mesh.
+
+    like : the map of a cycle nearby, whose coordinates these are near to.
+    """
+
+    cycle: AlongCycle
+    like: ReturnMap | None = None
+    _starts: list[Array] = field(default_factory=list)  # directions, (n,) in the states' sizes
+    _numbers: dict[bytes, int] = field(default_factory=dict)
+    _along: dict[Key, tuple[Array, Array]] = field(default_factory=dict)  # v_D at the Gauss points, and at the end
+    _across: dict[Key, tuple[Array, Array]] = field(default_factory=dict)  # w_D likewise
+    _times: dict[Key, float] = field(default_factory=dict)  # tau_D
+
+    @cached_property
+    def axis(self) -> int:
+        """Of the largest component of f."""
+        return int(np.argmax(np.abs(self.cycle.field_at_start))) if self.like is None else self.like.axis
+
+    @cached_property
+    def section(self) -> Array:
+        """Orthonormal columns, (n, n - 1): those of the reflection that takes n to an axis; forced: all axes."""
+        n = len(self.cycle.field_at_start)
+        if self.cycle.is_forced:
+            return np.eye(n)
+        normal = self.cycle.field_at_start / np.linalg.norm(self.cycle.field_at_start)
+        mirror = normal.copy()
+        mirror[self.axis] += np.copysign(1.0, normal[self.axis])
+        reflection = np.eye(n) - 2.0 * np.outer(mirror, mirror) / (mirror @ mirror)
+        return np.delete(reflection, self.axis, axis=1)
+
+    def coordinates(self, x: Array) -> Array:
+        """Of a vector at the first node (n,), in the states' sizes, moved along f into the section, (n - 1,)."""
+        return np.asarray(x @ self.section)
+
+    def jet(self) -> DerivativeJet:
+        """The map's derivatives at its fixed point."""
+        unit = np.eye(self.section.shape[1])
+        matrix = np.column_stack([self._column(d) for d in unit])
+        return DerivativeJet(without_rounding(matrix), self.derivative, kind="map", scale=np.ones(len(unit)))
+
+    def _column(self, direction: Real) -> Real:
+        """The derivative along a direction in which no other is wanted: nothing is kept of it."""
+        column = self.derivative((direction,))
+        for kept in (self._numbers, self._starts, self._along, self._across, self._times):
+            kept.clear()
+        return column
+
+    def derivative(self, directions: tuple[Real, ...]) -> Real:
+        """D^k of the map along directions in the section."""
+        key = tuple(sorted(self._number(d) for d in directions))
+        end = self._flow(key)[1] if self.cycle.is_forced else self._returned(key)[1]
+        return np.asarray(end @ self.section)
+
+    def _number(self, direction: Real) -> int:
+        known = direction.tobytes()
+        if known not in self._numbers:
+            self._numbers[known] = len(self._starts)
+            self._starts.append(self.section @ direction)
+        return self._numbers[known]
+
+    # -- once round the cycle -----------------------------------------------------------------------------------------
+
+    def _flow(self, key: Key) -> tuple[Array, Array]:
+        if key not in self._along:
+            if len(key) == 1:
+                self._along[key] = self.cycle.once_round(self._starts[key[0]], None)
+            else:
+                right = np.asarray(_sum_over_partitions(key, self.cycle.apply, lambda block: self._flow(block)[0]))
+                self._along[key] = self.cycle.once_round(np.zeros(len(self.cycle.field_at_start)), right)
+        return self._along[key]
+
     # -- on to the section --------------------------------------------------------------------------------------------
 
     def _returned(self, key: Key) -> tuple[Array, Array]:
         if key not in self._across:
-            f, count = self.field_at_start, len(key)
+            f, count = self.cycle.field_at_start, len(key)
             right = np.zeros((HIGHEST, len(f)))
             for chosen in range(1, 2**count - 1):
                 time = tuple(d for k, d in enumerate(key) if chosen >> k & 1)
@@ -162,16 +204,8 @@ class ReturnMap:
 
     def _field_along(self, key: Key) -> Array:
         """The derivative of f(w) along directions, at the Gauss points in theta."""
-        whole = self._apply_at_start(self._returned(key)[0])
-        return whole + _sum_over_partitions(key, self._apply_at_start, lambda block: self._returned(block)[0])
-
-    def _apply_at_start(self, *functions: Array) -> Array:
-        problem, sizes = self.linear.problem, self.linear.sizes
-        u = np.tile(self.linear.profile.u[0], (HIGHEST, 1))
-        p = np.tile(problem.full_parameters(self.linear.z), (HIGHEST, 1))
-        still = np.zeros((HIGHEST, problem.system.p_size))
-        found = problem.system.derivatives(u, p, *(np.hstack([w * sizes, still]) for w in functions))
-        return np.asarray(found / sizes)
+        whole = self.cycle.apply_at_start(self._returned(key)[0])
+        return whole + _sum_over_partitions(key, self.cycle.apply_at_start, lambda block: self._returned(block)[0])
 
     @staticmethod
     def _integrated(start: Array, right: Array) -> tuple[Array, Array]:
