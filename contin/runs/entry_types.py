@@ -36,7 +36,8 @@ def _reference(value: object) -> object:
 
 def _interval(value: object) -> object:
     if isinstance(value, list) and any(isinstance(one, list) for one in value):
-        raise wrong("expected [low, high]; the ranges of several parameters are {NAME: [low, high], OTHER: [low, high]}")
+        several = "{NAME: [low, high], OTHER: [low, high]}"
+        raise wrong(f"expected [low, high]; the ranges of several parameters are {several}")
     numbers = [as_double(v) for v in value if isinstance(v, int | float)] if isinstance(value, list) else []
     if len(numbers) == 2 and not numbers[0] < numbers[1]:
         raise wrong(f"expected [low, high] with low < high, got [{numbers[0]:g}, {numbers[1]:g}]")

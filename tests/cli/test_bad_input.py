@@ -72,7 +72,7 @@ def message(tmp_path, capsys):
         ("start: in-phase", "start: {x1: 2*q}", "continuations[0].start.x1: unknown name 'q'"),
         ("start: in-phase", "from: line", "continuations[0].from: expected NAME.LABEL, such as line.BP1, got 'line'"),
         ("start: in-phase", "start: in-phase, from: a.BP1", "has both `start` and `from`; keep one of them"),
-        ("[0.05, 8]", "[[0, 8], [0, 1]]", "the ranges of several parameters are {NAME: [low, high], OTHER: [low, high]}"),
+        ("[0.05, 8]", "[[0, 8], [0, 1]]", "ranges of several parameters are {NAME: [low, high], OTHER: [low, high]}"),
         ("[0.05, 8]", "[8, 0.05]", "continuations[0].range: expected [low, high] with low < high, got [8, 0.05]"),
         ("[0.05, 8]", "[0.05]", "continuations[0].range: expected two values [low, high], got a list"),
         ("[0.05, 8]", "[0.05, 5]", "the start has mu = 8, outside the range [0.05, 5]; widen the range, or set mu"),
