@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.seed import Seed
 from contin.errors import InputError, NoSolutionError, NotFiniteError
+from contin.linalg.copies import EPSILON
 from contin.linalg.linear import Linear
 from contin.linalg.newton import longest_part
 from contin.linalg.vectors import norm
@@ -23,6 +24,9 @@ BUDGET = 40
 ACCURATE = 1e-12
 UNSEEN = 1e-11  # part of its size up to which a product is rounding
 ACCEPTABLE = 1e-6  # a correction that no longer falls, because of rounding or at a fold
+SETTLED = 1e-9  # part of a state that its own correction is at the end, ...
+NOISE = 100.0  # ... or times what rounding of the equations' terms makes of it
+LATE = 8  # corrections for states that are small beside others
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,15 +84,27 @@ def _ahead(
     return (float(np.max(np.abs(linear.solve(-f)))), (there, f)) if np.all(np.isfinite(f)) else None
 
 
+def _is_settled(linear: Linear, u: Array, step: Array) -> bool:
+    """Whether the correction of every state is a small part of it, or what rounding of the equations' terms makes."""
+    moved, small = np.abs(step), SETTLED * np.abs(u)
+    if np.all(moved <= small):
+        return True
+    signs = np.random.default_rng(19).choice([-1.0, 1.0], len(u))
+    rounding = np.abs(linear.solve(EPSILON * signs * linear.magnitude(np.abs(u))))
+    return bool(np.all(moved <= np.maximum(small, NOISE * rounding)))
+
+
 def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibrium:
-    """Damped Newton's method at fixed p."""
+    """Damped Newton's method at fixed p, until corrections are small beside the largest state, and each beside its own
+    state or rounding: states may have units of their own.
+    """
     source = JacobianSource(system)
     u = np.array(u, dtype=float)
     f = system.value(u, p)
     if not np.all(np.isfinite(f)):
         raise NotFiniteError(system.why_not_finite(u, p) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
-    before = np.inf
+    before, late = np.inf, 0
     for _ in range(BUDGET):
         if history[-1] == 0.0:
             return LargeEquilibrium(system, u, p, source)
@@ -101,7 +117,9 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
         largest = max(float(np.abs(u).max()), float(np.abs(step).max()), 1e-300)
         size = float(np.max(np.abs(step))) / largest
         if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
-            return LargeEquilibrium(system, u + step if size < before else u, p, source)
+            if late == LATE or _is_settled(linear, u, step):
+                return LargeEquilibrium(system, u + step if size < before else u, p, source)
+            late += 1
         ahead = partial(_ahead, system, p, linear, u, step)
         enough = np.inf if size < ACCEPTABLE else ACCURATE * largest
         found = longest_part(ahead, float(np.max(np.abs(step))), enough)
