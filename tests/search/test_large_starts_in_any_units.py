@@ -1,4 +1,4 @@
-"""Newton's method from a guess of a large system, whose states have units of their own."""
+"""Large systems whose states have units of their own."""
 
 from __future__ import annotations
 
@@ -29,3 +29,28 @@ def test_small_states_beside_large_ones_are_solved_for_as_well(unit):
     np.testing.assert_allclose(found.u[:n], unit, rtol=1e-12)
     np.testing.assert_allclose(found.u[n:], 1.0, rtol=1e-12)
     assert len(calls) <= 15  # measured 12
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e3, 1e6])
+def test_with_typical_sizes_folds_do_not_depend_on_units_and_without_them_the_message_names_them(unit):
+    """x_i = unit beside y - y^3/3 + a = 0, which folds at a = +-2/3."""
+    n = 80
+    turn = scipy.sparse.csc_matrix(np.roll(np.eye(n), 1, axis=0)) - scipy.sparse.identity(n)
+
+    def rates(u, p):
+        return np.append(unit - u[:n] + 0.1 * (turn @ u[:n]), p["a"] + u[n] - u[n] ** 3 / 3.0)
+
+    def jacobian(u, p):
+        one = scipy.sparse.csc_matrix([[1.0 - u[n] ** 2]])
+        return scipy.sparse.bmat([[0.1 * turn - scipy.sparse.identity(n), None], [None, one]]).tocsc()
+
+    def followed(typical):
+        start = np.append(np.full(n, unit), -2.1)
+        problem = contin.FunctionProblem(rates, start, {"a": -1.0}, jacobian, typical=typical)
+        return contin.continuation(contin.equilibrium(problem), "a", (-1.0, 1.0))
+
+    line = followed(np.append(np.full(n, unit), 2.0))
+    assert [point.type for point in line.points] == ["LP", "LP"]
+    assert [point.values["a"] for point in line.points] == pytest.approx([2.0 / 3.0, -2.0 / 3.0], abs=1e-9)
+    if unit > 1.0:
+        assert any("`typical` sizes" in end.text for end in followed(1.0).ends)

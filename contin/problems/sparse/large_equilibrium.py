@@ -30,6 +30,7 @@ from contin.problems.state_columns import state_columns
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 
+UNEVEN = 30.0  # ratio of sizes of states that are far apart
 POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0)
 
 
@@ -143,4 +144,12 @@ class LargeProblem(LargeEquations):
             return f"Beyond, {near}"
         return self.system.why_not_finite(u, p) or (
             "Try a smaller settings.step, or a larger settings.tolerance; matrix-free: a better preconditioner."
+            + self._uneven(u)
         )
+
+    def _uneven(self, u: Array) -> str:
+        """What may help where states whose sizes are far apart are measured in one size; empty where they are not."""
+        typical, sizes = self.system.model.typical, np.abs(u[u != 0.0])
+        if np.ptp(typical) > 0.0 or not sizes.size or sizes.max() < UNEVEN * sizes.min():
+            return ""
+        return " States in units of their own want the function's `typical` sizes: all are measured beside the largest."

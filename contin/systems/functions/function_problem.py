@@ -42,7 +42,8 @@ class FunctionProblem(GivenFunction):
         states that it moves are followed in a frame that turns with them (`turning_frame`), with their rate as a column
         `rotation_rate`. (G, w): the frame turns with the wave w (n,), G G w = -c w; needed beyond 1,000 states that G
         mixes, and for a LinearOperator. Otherwise with the mode that is largest in the start.
-    typical : sizes of states that are zero in u0, a number or (n,): for differences. Default 1.
+    typical : sizes of states that are zero in u0, a number or (n,), for differences. States of large systems are
+        measured in proportion to them, and want them where they have units of their own. Default 1.
     source, expect : as in a model file: where the problem comes from, and points that runs must find (numbers only).
     preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r: GMRES takes it in place of factors. It
         is made anew where it has become worse.
