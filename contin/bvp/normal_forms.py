@@ -26,9 +26,12 @@ TRUST: Final = 1e-7  # of the sum of a coefficient's terms, in which collocation
 
 
 class Reduction:
-    """Coefficients of the reduced equation at x along the null vector q (n,), up to a common factor."""
+    """Coefficients of the reduced equation at x along the null vector q (n,), up to a common factor.
 
-    def __init__(self, mesh: OnMesh, x: Array, q: Array) -> None:
+    sizes : (n,) of the unknowns, beside which the parts of q count that Newton's method leaves near zero.
+    """
+
+    def __init__(self, mesh: OnMesh, x: Array, q: Array, sizes: Array) -> None:
         linear = mesh.linear(x)
         assert linear is not None
         self.mesh, self.x = mesh, x
@@ -39,7 +42,8 @@ class Reduction:
         self.q = self.q * (1.0 if weighed[int(np.argmax(np.abs(weighed)))] >= 0.0 else -1.0)
         left = linear.factor.solve_transposed(q)
         self.left = left / np.abs(left).max()
-        rows = linear.magnitude(np.abs(self.q))
+        least = NOISE * sizes * np.max(np.abs(self.q) / sizes)  # where q is zero, remnants of it are no unit
+        rows = linear.magnitude(np.maximum(np.abs(self.q), least))
         part = np.abs(self.left) * rows
         self._rounded = np.abs(self.left) + np.where(
             rows > 0.0, NOISE * part.max() / np.where(rows > 0.0, rows, 1.0), 0
@@ -64,9 +68,9 @@ class Reduction:
         return self.mesh.form(self.x, *directions)
 
 
-def fold(mesh: OnMesh, x: Array, q: Array) -> Fields:
+def fold(mesh: OnMesh, x: Array, q: Array, sizes: Array) -> Fields:
     """`a`: the parameter is p0 + a x^2 along the branch."""
-    here = Reduction(mesh, x, q)
+    here = Reduction(mesh, x, q, sizes)
     right = np.append(here.q, 0.0)
     slope = here.along(mesh.parameter_slope(x))
     if slope == 0.0:
@@ -74,9 +78,9 @@ def fold(mesh: OnMesh, x: Array, q: Array) -> Fields:
     return {"a": -0.5 * here.along(here.form(right, right)) / slope}
 
 
-def branch_point(mesh: OnMesh, x: Array, q: Array) -> Fields:
+def branch_point(mesh: OnMesh, x: Array, q: Array, sizes: Array) -> Fields:
     """`kind` and the coefficients of the reduced equation; b20 is zero, and so the point a pitchfork, to its terms."""
-    here = Reduction(mesh, x, q)
+    here = Reduction(mesh, x, q, sizes)
     right = np.append(here.q, 0.0)
     slope = mesh.parameter_slope(x)
     moved = here.response(slope) + np.append(np.zeros(mesh.n), 1.0)

@@ -74,7 +74,7 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     moved = abs(other - float(x[-1]))
     error = scatter + ORDER * moved + ROUNDING * abs(float(x[-1]))
     if type_ == "LP":
-        form = normal_forms.fold(mesh, x, found.direction)
+        form = normal_forms.fold(mesh, x, found.direction, local.scale[:-1])
         return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {})
     small = smallest(mesh, x)
     form = _form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
@@ -202,10 +202,11 @@ def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: 
     kernel, q = kernel_dimension(small), small[1][:, 0]
     if kernel > 1:
         return {"kind": "degenerate", "kernel": kernel}
-    form = normal_forms.branch_point(mesh, x, q)
+    sizes = scale[:-1]
+    form = normal_forms.branch_point(mesh, x, q, sizes)
     off = max(error / float(scale[-1]), ROUNDING)
-    moved = x + off * np.append(q / norm(q / scale[:-1]), scale[-1])  # states are known as well as the parameter
-    other = normal_forms.branch_point(mesh, moved, q)
+    moved = x + off * np.append(q / norm(q / sizes), scale[-1])  # states are known as well as the parameter
+    other = normal_forms.branch_point(mesh, moved, q, sizes)
     numbers = [name for name, value in form.items() if isinstance(value, float) and name in other]
     errors = {name: abs(float(form[name]) - float(other[name])) for name in numbers}
     found = {name: value for name, value in form.items() if name != "criticality"} | {"errors": errors}

@@ -26,7 +26,7 @@ from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
 from contin.continuation.settings import Settings
 from contin.kernels.steering import is_dip
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import dot, norm
 
 NEXT_TO: Final = 1e-6  # scaled: how near to a labelled point its test is nothing but rounding
 SHORTEST_RETRY: Final = 1e-7  # steps longer than this are repeated where a change between their ends does not verify
@@ -323,10 +323,25 @@ def _user_values(
     for row in hits(course.targets, course.problem, chunk, segment.z, frame, course.settings, marked):
         if isinstance(row, Note):
             notes.append(row.text)
-        elif not course.is_known(row.point, frame.scale):
-            course.known.append(row.point)
-            rows.append(row)
+            continue
+        kept = _within(course, chunk, segment, frame, row)
+        if kept is not None and not course.is_known(kept.point, frame.scale):
+            course.known.append(kept.point)
+            rows.append(kept)
     return rows, notes
+
+
+def _within(course: Course, chunk: Chunk, segment: Segment, frame: Frame, row: Row) -> Row | None:
+    """A point of the last step as it lies before the end of the arm, which may be nearer than the step's; else None."""
+    last = len(segment.z)
+    if row.before < last:
+        return row
+    step = (segment.z[-1] - chunk.z[last - 1]) / frame.scale
+    length = dot(chunk.tangents[last - 1], step)
+    if row.length <= length + NEXT_TO * norm(step):
+        point = on_bound_itself(course.problem, row.point, course.bounds, frame.scale)
+        return None if point is None else replace(row, point=point)
+    return None
 
 
 def _failure(course: Course, chunk: Chunk) -> End | None:

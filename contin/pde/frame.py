@@ -47,6 +47,10 @@ class Travelling:
             total = total + put @ rows
         return csr_matrix(total)
 
+    def moves(self, u: Vector) -> bool:
+        """False of a state that is the same all along the axis: nothing tells its velocity."""
+        return bool((self.generator @ u).any())
+
     def velocity(self, u: Vector, p: Values) -> Vector:
         """c(u)"""
         w = self.generator @ u
@@ -63,11 +67,11 @@ class Travelling:
         """The exact Jacobian, with full rows."""
         D, t = self.generator, self._turned
         w, f, J = D @ u, self.still.value(u, p), self.still.jacobian(u, p)
-        square, along, turned = float(w @ w), float(w @ f), float(t @ w)
-        c, s = -along / square, -float(t @ u) / turned
+        square, along, phase, turned = w @ w, w @ f, t @ u, t @ w  # 0 of a state that does not change: all is NaN
+        rate = -along / square - phase / turned
         by_c = -(D.T @ f + J.T @ w) / square + 2.0 * along / square**2 * (D.T @ w)
-        by_s = -t / turned + float(t @ u) / turned**2 * (D.T @ t)
-        return csc_matrix(J.toarray() + (c + s) * D.toarray() + np.outer(w, by_c + by_s))
+        by_s = -t / turned + phase / turned**2 * (D.T @ t)
+        return csc_matrix(J.toarray() + rate * D.toarray() + np.outer(w, by_c + by_s))
 
     def jacobians(self, u: Array, p: Values) -> list[csc_matrix]:
         """At K states."""

@@ -148,9 +148,12 @@ class PdeProblem(FunctionProblem):
     def _explained(self, u: Array, p: Array) -> str | None:
         """Which equation is not finite, and where."""
         values = dict(zip(self.parameter_names, p.tolist(), strict=True))
-        bad = np.flatnonzero(~np.isfinite(self.discretised.value(u, values)))
+        with np.errstate(all="ignore"):
+            bad = np.flatnonzero(~np.isfinite(self.discretised.value(u, values)))
         if not len(bad):
             return None
+        if isinstance(self.discretised, Travelling) and not self.discretised.moves(u):
+            return "the start does not change along the axis of `travelling`: it has no velocity"
         field, x = self._where[int(bad[0])]
         return f"the equation of {field} is not finite at {self._place(x)}"
 

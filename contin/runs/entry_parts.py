@@ -19,6 +19,7 @@ from contin.runs.schema import StartMapping
 from contin.symbolic.passes.conserved import starting_names
 
 if TYPE_CHECKING:
+    from contin.model.expression import Expression
     from contin.model.model import Model
 
 
@@ -43,19 +44,22 @@ class EntryParts:
         """The value of a number or a formula in the parameters; a mistake is noted at its place."""
         if not isinstance(value, str):
             return as_double(value)
-        try:
-            expression = parse(value, self.names, self.model.functions)
-        except ExpressionError as error:
-            span = Span(error.position, error.position + 1)
-            self.problems.add(path, str(error), value=value, span=span)
-            return None
-        if not self.values and self.names:
+        expression = self._parsed(value, self.names, path)
+        if expression is None or (not self.values and self.names):
             return None
         number = float(evaluate(expression, self.values))
         if not math.isfinite(number):
             self.problems.add(path, f"{value!r} is {number}; a finite number is needed")
             return None
         return number
+
+    def _parsed(self, value: str, names: Sequence[str], path: Path) -> Expression | None:
+        try:
+            return parse(value, names, self.model.functions)
+        except ExpressionError as error:
+            span = Span(error.position, error.position + 1)
+            self.problems.add(path, str(error), value=value, span=span)
+            return None
 
     def has_start(self, name: str) -> bool:
         return any(start.name == name for start in self.model.starts)
@@ -95,11 +99,19 @@ class EntryParts:
         for name in states:
             known = self._is_state(name, starting_names(self.model), (*path, name))
             if known and not getattr(self.model, "axes", ()):  # in coordinates: read where the start is made
-                self.formula(states[name], (*path, name))
+                self._state(states[name], (*path, name))
         for name, value in written.parameters.items():
             if self.known(name, (*path, "parameters", name), key=True):
                 self.formula(value, (*path, "parameters", name))
         return {**states, "parameters": dict(written.parameters)} if written.parameters else states
+
+    def _state(self, value: Number, path: Path) -> None:
+        """A state's value at a start: of a boundary-value problem a function of the independent variable."""
+        interval = getattr(self.model, "interval", None)
+        if interval is not None and isinstance(value, str):
+            self._parsed(value, [*self.names, interval.name], path)
+        else:
+            self.formula(value, path)
 
     def bounds(self, written: object, parameters: Iterable[str], path: Path) -> dict[str, tuple[float, float]]:
         """The range of every parameter that varies: as written, or the model's own."""

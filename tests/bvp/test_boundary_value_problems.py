@@ -352,3 +352,20 @@ def test_user_values_and_extrema_have_the_error_of_the_mesh():
     assert [point.label for point in line.points] == list(exact)
     for point in line.points:
         assert abs(point.values["L"] - exact[point.label]) <= point.error < 1e-10
+
+
+def test_errors_of_the_mesh_are_no_extrema():
+    """Holmes and Spence: u'' = u^2 - x, u(0) = 0, u(L) = sqrt(L): u'(0) falls to a limit, ever more slowly.
+
+    Where it has come to rest, what is left of its changes is discretisation.
+    """
+    model = Model(
+        "painleve", kind="bvp", time={"name": "s"}, states={"u": 0, "v": 0}, parameters={"L": 1.0},
+        equations={"u": "L*v", "v": "L*(u^2 - L*s)"}, conditions=["u(start) = 0", "u(end) = sqrt(L)"],
+        observables={"slope": "v(start)", "bent": "v(start) + 1e-3*sin(L)"},
+    )  # fmt: skip
+    line = contin.continuation(boundary_guess(model, None, None, ()), "L", (0.5, 11), extrema=["slope", "bent"])
+    assert {point.normal_form["of"] for point in line.points} == {"bent"}
+    late = [point.values["L"] for point in line.points if point.values["L"] > 6.0]
+    assert late == pytest.approx([2.5 * np.pi, 3.5 * np.pi], abs=1e-2)  # where nothing else moves
+    assert line.columns["slope"][-1] == pytest.approx(0.92437548744, abs=1e-8)

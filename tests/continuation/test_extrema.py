@@ -137,3 +137,13 @@ def test_an_extremum_beside_a_corner(c: float, jump: float):
     assert abs(point.values["p"]) <= max(point.error, 1e-11)
     assert point.normal_form["curvature"] == pytest.approx(-2.0, rel=1e-6)
     assert line.notes == ()
+
+
+@pytest.mark.parametrize("end", [0.9, 0.9999999, 1.0, 1.0000001])
+def test_nothing_is_labelled_beyond_the_end_of_a_branch(end: float):
+    """g = (p - 1)^2 has its minimum 0 at p = 1, in the last step of the march wherever the range ends next to it."""
+    line = _line("x - p", {"g": "(x - 1)^2"}, (0.0, end), 0.0, 0.0, ["g"], {"g": [0.0]})
+    p = line.columns["p"]
+    assert p[-1] == end == p.max()
+    assert np.all(np.diff(p) >= 0.0)
+    assert [point.type for point in line.points] == (["EX", "UZ"] if end >= 1.0 else [])

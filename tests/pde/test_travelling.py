@@ -147,3 +147,13 @@ def test_mistakes(change, message):
     with pytest.raises(contin.InputError, match="travelling") as error:
         landau(8, travelling=given)
     assert message in str(error.value)
+
+
+def test_states_without_a_velocity_need_not_be_one_where_a_run_starts_elsewhere():
+    """The fields' default may be 0, which has no velocity; a start that has none is refused in words."""
+    flat = landau(16, fields={"u": 0, "v": 0}, starts={"wave": {"u": "2*cos(2*x)", "v": "2*sin(2*x)"}})
+    line = contin.continuation(contin.equilibrium(flat, start="wave"), "mu", (7, 9))
+    again = contin.continuation(landau(16), "mu", (7, 9))
+    np.testing.assert_allclose(line.columns["speed"], again.columns["speed"], rtol=1e-9)
+    with pytest.raises(contin.ContinError, match="has no velocity"):
+        contin.equilibrium(flat)

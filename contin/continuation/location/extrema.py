@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from contin.continuation.curve import Stretch
 from contin.continuation.location.found import Found, Note, where
 from contin.continuation.outcome import Verified
 from contin.continuation.problem import Problem
-from contin.continuation.sample import Sample
+from contin.continuation.sample import Frame, Sample
+from contin.linalg.vectors import dot
 from contin.machine import elementary
 
 STEP = 1e-3  # of the differences (scaled arclength)
@@ -25,6 +27,8 @@ TURNING = 1e-6  # part of the tangent below which the parameter stands still
 SIDES = (-2.0 * STEP, -STEP, STEP, 2.0 * STEP)
 SCATTER = 10.0  # times the scatter of a column, by which it must fall on the way from an extremum
 CLEAR = 1e6  # times the scatter, beyond which that of points solved for again is no question
+ALONG = 0.9  # cosine between the tangents on both sides of a point from which on that in the middle is
+ASIDE = 0.5  # along another branch, with this one
 NUDGE = 1e-9  # of the guesses from which they are: small, for another solution may be near
 SAFETY = 2.0  # of a change from one mesh to the next: the finer one has an error of its own
 FOURTH = np.array([1.0, -4.0, -4.0, 1.0, 6.0]) / 70.0  # at `SIDES` and 0, whose largest part is off a cubic there
@@ -32,11 +36,15 @@ CLOSER = 0.03  # of the steps, to look at what is not smooth within them
 SMOOTH = 0.1  # of what the slope changes in a step: more than that off a quadratic is a corner, or errors of the column
 FALLS = 0.3  # part that is left closer by: of the scatter at a corner, of the kink where the column is smooth
 AT_CORNER = "where the curve has a corner"
+NOT_ON_MESH = "on this mesh but not on a finer one"
 NOT_FOLLOWED = "the curve cannot be followed on both sides"
 HELD = 1e100  # an unknown in so large a scale is none: as the section of orbits by shooting, it counts for nothing
+FAR = 100.0  # times the change of a column at an extremum from one mesh to the next: that beside it is no question
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
 # of rounding errors in succession
+
+Finer: TypeAlias = tuple[Problem, Sample, Frame]  # a point as it is solved for on a finer mesh
 
 
 @dataclass(frozen=True)
@@ -103,13 +111,18 @@ class Extremum:
         problem, scale = stretch.problem, stretch.frame.scale
         rounding = self.rounding(problem, near.z, scale)
         look, corner = self._seen(stretch, near)
-        if look is None:
+        if look is None or _is_aside(near, ends):
             return Note(where(stretch, near, f"EX not verified: {self.column} turns where {NOT_FOLLOWED}"))
         if not self._stands_out(stretch, near, 0.0 if corner else look.scatter, ends, rising, rounding):
+            return None
+        finer = problem.refined(near, stretch.frame)
+        if not self._stands_out_of_mesh(stretch, near, finer, ends, rising):
             return None
         if corner:
             return Note(where(stretch, near, f"EX not verified: {self.column} turns {AT_CORNER}"))
         bend = look.bend
+        if not self._turns_on_mesh(stretch, finer, bend, ends):
+            return Note(where(stretch, near, f"EX not verified: {self.column} turns {NOT_ON_MESH}"))
         size = float(np.abs(self.values(problem, near.z[None]))[0])
         width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
         rate = float(near.tangent[-1] * scale[-1])
@@ -120,17 +133,44 @@ class Extremum:
             "curvature": bend if turning else bend / elementary.square(rate),
         }
         error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
-        error += self._moved_by_mesh(stretch, near, bend)
+        error += self._moved_by_mesh(near, finer, bend)
         residual = abs(self.slope(stretch, near)) / max(size, float(np.abs(bend)), 1e-300)
         point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
         return Found(stretch.length_of(near), point, near)
 
-    def _moved_by_mesh(self, stretch: Stretch, near: Sample, bend: float) -> float:
+    def _turns_on_mesh(
+        self, stretch: Stretch, finer: Finer | None, bend: float, ends: tuple[Sample, Sample]
+    ) -> bool:
+        """True where the slope changes its sign on a finer mesh, too: beside its zero there, or between the ends."""
+        if finer is None or bend == 0.0:
+            return True
+        problem, sample, frame = finer
+        here = Stretch(problem, sample, frame, stretch.settings)
+        aside = max(STEP, 2.0 * abs(self.slope(here, sample) / bend))
+        signs: list[bool] = []
+        if aside <= stretch.distance(*ends):
+            for length in (-aside, aside):
+                guess = sample.z + length * frame.scale * sample.tangent
+                found = problem.probe(sample, length, guess, frame, stretch.settings)
+                if found is None:
+                    return True  # the column was seen to fall on both sides
+                signs.append(self.slope(here, found) * bend > 0.0)
+        if signs == [False, True]:
+            return True
+        far: list[bool] = []
+        for end in ends:  # at a branch point the curve through the point itself may be the other one
+            refined = stretch.problem.refined(end, stretch.frame)
+            if refined is None:
+                return False
+            other, there, metric = refined
+            far.append(self.slope(Stretch(other, there, metric, stretch.settings), there) * bend > 0.0)
+        return far == [False, True]
+
+    def _moved_by_mesh(self, near: Sample, finer: Finer | None, bend: float) -> float:
         """How far the parameter of the extremum moves on a finer mesh; 0 where nothing is discretised."""
-        refined = stretch.problem.refined(near, stretch.frame)
-        if refined is None or bend == 0.0:
+        if finer is None or bend == 0.0:
             return 0.0
-        problem, sample, frame = refined
+        problem, sample, frame = finer
         slope = float(self.slopes(problem, sample.z[None], sample.tangent[None], frame.scale)[0])
         ahead, rate = -slope / bend, abs(float(sample.tangent[-1]))
         moved = abs(float(sample.z[-1] - near.z[-1])) + float(frame.scale[-1]) * abs(ahead) * (rate + 0.5 * abs(ahead))
@@ -150,6 +190,29 @@ class Extremum:
         if drops.max() <= CLEAR * scatter:
             scatter += sum(self._uncertainty(stretch, sample) for sample in (at, *ends))
         return bool(drops.max() > SCATTER * scatter and drops.min() > -SCATTER * scatter)
+
+    def _stands_out_of_mesh(
+        self, stretch: Stretch, at: Sample, finer: Finer | None, ends: tuple[Sample, Sample], rising: bool
+    ) -> bool:
+        """True where the column falls on a finer mesh, too, by more than it differs there; or nothing is discretised.
+
+        Along a branch that comes to rest, errors of the discretisation turn where the column itself does not.
+        """
+        if finer is None:
+            return True
+        sign = 1.0 if rising else -1.0
+        values = self.values(stretch.problem, np.array([at.z, *(end.z for end in ends)]))
+        drops, fine = (values[0] - values[1:]) * sign, [float(self.values(finer[0], finer[1].z[None])[0])]
+        if drops.min() > FAR * abs(fine[0] - float(values[0])):
+            return True
+        for end in ends:
+            refined = stretch.problem.refined(end, stretch.frame)
+            if refined is None:
+                return True
+            fine.append(float(self.values(refined[0], refined[1].z[None])[0]))
+        falls = (fine[0] - np.array(fine[1:])) * sign
+        error = SAFETY * float(np.abs(falls - drops).max())
+        return bool(falls.max() > error and falls.min() > -error)
 
     def _uncertainty(self, stretch: Stretch, sample: Sample) -> float:
         """How far the column changes when the point is solved for again, from guesses next to it on all sides.
@@ -195,6 +258,12 @@ class Extremum:
         slopes = [self.slope(stretch, sample) for sample in samples]
         kink = abs(slopes[0] - 2.0 * slopes[1] + 2.0 * slopes[2] - slopes[3])
         return Look(_derivative(slopes, step), self._scatter(stretch.problem, samples, at), kink, step)
+
+
+def _is_aside(near: Sample, ends: tuple[Sample, Sample]) -> bool:
+    """True of a point on a branch that crosses between the ends: beside a branch point Newton's method may find it."""
+    first, last = (end.tangent for end in ends)
+    return dot(first, last) > ALONG and abs(dot(near.tangent, first)) < ASIDE
 
 
 def _derivative(values: Sequence[float], step: float) -> float:

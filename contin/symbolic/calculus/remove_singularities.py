@@ -11,8 +11,9 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import reduce
 from operator import or_
+from typing import Final
 
-from contin.model.expression import Expression, add, if_, mul, numeric_value, postorder, rebuild
+from contin.model.expression import Expression, add, if_, mul, numeric_value, postorder, rebuild, symbols_in
 from contin.symbolic.calculus.arguments import regular_in_argument
 from contin.symbolic.calculus.centres import LARGEST, LOCAL, Centre, centres
 from contin.symbolic.calculus.polynomials import polynomial_quotient
@@ -21,6 +22,9 @@ from contin.symbolic.calculus.series import expand
 from contin.symbolic.calculus.series_arithmetic import NotAnalyticError, is_zero
 from contin.symbolic.calculus.signs import is_positive
 from contin.symbolic.calculus.taylor import taylor_near_zero
+
+GROWTH: Final = 4  # times the cost of a quotient (nodes, in the derivative by each of its symbols), and
+WORTH: Final = 5000  # the cost that a formula in its place may have: one of many symbols multiplied out is beyond it
 
 
 def remove_singularities(expressions: Iterable[Expression]) -> list[Expression]:
@@ -99,16 +103,19 @@ def _regular_sum(total: Expression) -> Expression:
 def _smooth(part: Expression, centre: Centre) -> Expression | None:
     """`part` with its singularity at the centre removed, or None if it is a pole or not analytic there."""
     (local,) = centre.local([part])
-    if len(postorder([local])) > LARGEST:
+    size = len(postorder([local]))
+    if size > LARGEST:
         return None
     try:
         exact = polynomial_quotient(local, centre.w)
         found = taylor_near_zero(local, centre.w) if exact is None else None
     except (NotAnalyticError, OverflowError):
         return None
-    if exact is not None:
-        return exact
-    return None if found is None else if_(found[0], found[1], part)
+    smooth = exact if exact is not None else None if found is None else if_(found[0], found[1], part)
+    if smooth is None:
+        return None
+    cost = len(postorder([smooth])) * len(symbols_in([smooth]))
+    return smooth if cost <= max(WORTH, GROWTH * size * len(symbols_in([part]))) else None
 
 
 def _factors(term: Expression) -> tuple[Expression, ...]:

@@ -56,12 +56,13 @@ class FunctionSystem:
         u0, p0 = model.start_point()
         self.observable_names: tuple[str, ...] = ()
         value = self.value(u0, p0)
-        if model.jacobian is not None:
-            self._check_jacobian(u0, p0)
-        if model.written is None:
-            try_function(self, u0, p0)
-        if not np.all(np.isfinite(value)):
+        known = np.all(np.isfinite(value))
+        if not known and model.explain is None:  # formulas have a value where a run starts: that is looked at there
             raise NotFiniteError(f"{self.why_not_finite(u0, p0)} (at u0)")
+        if known and model.jacobian is not None:
+            self._check_jacobian(u0, p0)
+        if known and model.written is None:
+            try_function(self, u0, p0)
         self.observable_names = tuple(self._recorded(u0, p0))
         taken = sorted(set(self.observable_names) & {*self.state_names, *self.parameter_names, "stable", "unstable"})
         if taken:
