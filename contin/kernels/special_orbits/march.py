@@ -29,9 +29,9 @@ def follow_special(
 ):  # fmt: skip
     """What `mode` says.
 
-    MARCH : follow the curve from row 0, where everything is known, for up to `limit` points. A step that fails, turns
-        by more than an angle or leads beyond a point (an orbit of no extent) is repeated with half its length. Returns
-        the reason, as `contin.kernels.algebraic.march`; RESCALE where the orbits shrink to a point.
+    MARCH : follow the curve from row 0, where everything is known, for up to `limit` points. A step that fails, whose
+        chord or tangent turns by more than an angle, or that leads beyond a point (an orbit of no extent) is repeated
+        with half its length. Returns the reason, as `contin.kernels.algebraic.march`; RESCALE where the orbits shrink to a point.
     CORRECT : solve as `correct_special` says on the plane at distance controls[0] from row 0, from the guess in row 1,
         and measure there (row 1). Returns the number of iterations, FAILED or NOT_FINITE.
     MEASURE : ... and carry the borders on to that point.
@@ -87,7 +87,7 @@ def follow_special(
                 for j in range(size):
                     moved += ((z[j] - here[j]) / scale[j]) ** 2
                     cosine += tangent[j] * t[j]
-                taken = math.sqrt(moved) <= 2.0 * h + 10.0 * tolerance
+                taken = math.sqrt(moved) * cos_max <= h + 10.0 * tolerance
                 beyond = taken and not winds and turned_over(here, z, n, nodes)
                 taken = taken and not beyond and cosine >= cos_max
             if taken:
