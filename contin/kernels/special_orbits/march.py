@@ -31,7 +31,8 @@ def follow_special(
 
     MARCH : follow the curve from row 0, where everything is known, for up to `limit` points. A step that fails, whose
         chord or tangent turns by more than an angle, or that leads beyond a point (an orbit of no extent) is repeated
-        with half its length. Returns the reason, as `contin.kernels.algebraic.march`; RESCALE where the orbits shrink to a point.
+        with half its length. Returns the reason, as `contin.kernels.algebraic.march`; RESCALE where the orbits shrink
+        to a point.
     CORRECT : solve as `correct_special` says on the plane at distance controls[0] from row 0, from the guess in row 1,
         and measure there (row 1). Returns the number of iterations, FAILED or NOT_FINITE.
     MEASURE : ... and carry the borders on to that point.
