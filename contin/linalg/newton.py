@@ -20,7 +20,7 @@ class Rules:
 
     settled : a correction below this is the last one.  stalled : corrections below this that no longer fall to `ratio`
     of the one before are rounding, and are not made.  far : one beyond this leads elsewhere, and so does one `growth`
-    times as long as the one before.  budget : of corrections.
+    times as long as the one before, where that is not rounding.  budget : of corrections.
     """
 
     settled: float = 1e-15
@@ -56,10 +56,12 @@ def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rule
         if found is None:
             return None
         size, there = found
-        if not (size < rules.far and size < rules.growth * before):  # NaN is no size
+        if not size < rules.far:  # NaN is no size
             return None
         if size >= rules.ratio * before and before < rules.stalled:
             return Converged(at, before, size)
+        if not size < rules.growth * before:
+            return None
         at, before = there, size
         if size < rules.settled:
             return Converged(at, size, size)

@@ -7,6 +7,7 @@ each other.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,3 +38,10 @@ def combined(columns: Array, weights: Array) -> Array:
 def products(columns: Array, x: Vector) -> Vector:
     """columns^T x (no conjugate) of long columns (n, k)."""
     return np.asarray(np.einsum("ij,i->j", columns, x))
+
+
+@lru_cache(maxsize=4)
+def generic(n: int) -> Array:
+    """A vector (n,) of length 1 with no pattern, the same wherever it is asked for; its last component is 0."""
+    r = np.append(np.random.default_rng(7).uniform(-1.0, 1.0, n - 1), 0.0)
+    return np.asarray(r / norm(r))

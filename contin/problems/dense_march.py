@@ -11,15 +11,22 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.kernels.algebraic import MET
 from contin.linalg.spectrum import count_and_tests, spectrum
+from contin.linalg.vectors import generic, norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:
     from contin.problems.contracts import Dense
 
+MANY = 20
+
 
 @dataclass(frozen=True, eq=False)
 class DenseLinearisation:
-    """Scaled residual (n,) and LU factors of M = [J; t^T] (n + 1, n + 1)."""
+    """Scaled residual (n,) and LU factors of M = [J; t^T] (n + 1, n + 1).
+
+    log_determinant : of |det M|; of `MANY` states or more, when that swings by powers of ten from row to row though
+        nothing happens, of 1 / |M^-1 r|, r random, about the smallest singular value.
+    """
 
     residual: Array
     factors: tuple[Array, Vector]
@@ -48,7 +55,12 @@ def dense_linearisation(
     diagonal = np.diagonal(lu)
     changes = np.count_nonzero(pivots != np.arange(len(pivots))) + np.count_nonzero(diagonal < 0.0)
     sign = 0.0 if not np.all(diagonal) else -1.0 if changes % 2 else 1.0
-    logarithm = float(np.sum(elementary.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
+    if sign == 0.0:
+        logarithm = -np.inf
+    elif len(f) < MANY:
+        logarithm = float(np.sum(elementary.log(np.abs(diagonal))))
+    else:
+        logarithm = -elementary.log(norm(np.asarray(lapack.dgetrs(lu, pivots, generic(len(matrix)))[0])))
     met = z is None or bool(np.all(np.abs(f) <= MET * (np.abs(jacobian) @ np.abs(z))))
     return DenseLinearisation(f / d, (lu, pivots), sign, logarithm, met)
 

@@ -43,6 +43,15 @@ def test_corrections_that_are_rounding_are_not_made_and_their_size_is_told():
     assert (found.made, found.left) == (1e-9, 0.9e-9)
 
 
+def test_rounding_may_grow_and_other_corrections_may_not():
+    rules = Rules(settled=1e-17, stalled=1e-7, growth=2.0)
+    noise = iter([1e-3, 1e-16, 9e-15])
+    found = newton(lambda z: (step := next(noise), z + step), 0.0, rules)
+    assert (found.made, found.left) == (1e-16, 9e-15)
+    larger = iter([1e-3, 1e-4, 9e-3])
+    assert newton(lambda z: (step := next(larger), z + step), 0.0, rules) is None
+
+
 def test_a_double_root_is_approached_by_halves_until_corrections_stall():
     found = newton(lambda z: (abs(z) / 2.0, z / 2.0), 1.0, Rules(stalled=1e-8, budget=60))  # z^2 = 0
     assert abs(found.at) <= 2e-8

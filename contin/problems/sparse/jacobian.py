@@ -14,6 +14,7 @@ from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
+from contin.linalg.probed import ProbedMatrix, entries
 from contin.problems.sparse.old_factors import OldFactors
 from contin.systems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
 from contin.systems.functions.function_system import FunctionSystem
@@ -48,6 +49,7 @@ class JacobianSource:
         self.mass = system.model.mass_matrix
         self._old = OldFactors(self.factoriser, self.mass)
         self._held: Held | None = None  # the user's preconditioner, ...
+        self._probed = ProbedMatrix(system.n)
         self._before: Held | None = None  # ... and the one that it replaced, as long as it is not known to be better
         model = system.model
         if model.jacobian is None and model.sparsity is not None and model.written is None:
@@ -116,7 +118,9 @@ class JacobianSource:
 
         model = self.system.model
         if model.method != "sparse":
-            return self.entries(self._product(u, p))
+            product = self._product(u, p)
+            matrix = self._probed.at(product, self.system.sizes_at(u))
+            return entries(product, self.system.n) if matrix is None else matrix
         if model.jacobian is None:
             return self._coloured(u, p)
         matrix = called("Jacobian", model.jacobian, u, self.system._named(p))
@@ -127,12 +131,6 @@ class JacobianSource:
         if not matrix.has_canonical_format:
             matrix.sum_duplicates()
         return matrix
-
-    def entries(self, product: Callable[[Array], Array]) -> csc_matrix:
-        """The matrix of an operator that is only applied, by n products."""
-        from scipy.sparse import csc_matrix
-
-        return csc_matrix(np.column_stack([product(column) for column in np.eye(self.system.n)]))
 
     # coloured differences ---------------------------------------------------------------------------------------------
 
@@ -156,7 +154,7 @@ class JacobianSource:
         from scipy.sparse import csc_matrix
 
         pattern, columns, colours, count = self._pattern
-        size = np.maximum(np.abs(u), self.system.lines.sizes[: self.system.n])
+        size = self.system.sizes_at(u)
         slopes = np.empty((count, self.system.n))
         raw = self.system.raw
         with np.errstate(all="ignore"):
@@ -174,16 +172,24 @@ class JacobianSource:
 
     # matrix-free ------------------------------------------------------------------------------------------------------
 
-    def _matrix_free(self, u: Array, p: Array) -> KrylovLinear | None:
+    def _matrix_free(self, u: Array, p: Array) -> Linear | None:
         product = self.system.attempt("Jacobian", lambda: self._product(u, p), None, u, p)
-        if product is None or self.system.model.preconditioner is None:
-            return None if product is None else KrylovLinear(product, lambda r: r, mass=self.mass)
-        return self._serving(product, None, u, p)
+        if product is None:
+            return None
+        if self.system.model.preconditioner is not None:
+            return self._serving(product, None, u, p)
+        matrix = self._probed.at(product, self.system.sizes_at(u))  # GMRES without a preconditioner takes more products
+        if matrix is None:
+            return KrylovLinear(product, lambda r: r, mass=self.mass)
+        if not np.all(np.isfinite(matrix.data)):
+            return None
+        return DirectLinear(matrix, self.factoriser, mass=self.mass)
 
     def _product(self, u: Array, p: Array) -> Callable[[Array], Array]:
         system, model, n = self.system, self.system.model, self.system.n
         if model.jacobian is None:
             padding = np.zeros(system.m)
+            system.watch_steps(u, p)
             return lambda v: system.lines.first(u, p, np.concatenate([v, padding])) if v.any() else np.zeros(n)
         operator = called("Jacobian", model.jacobian, u, system._named(p))
 

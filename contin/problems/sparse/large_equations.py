@@ -19,6 +19,7 @@ from contin.linalg.far_from_zero import WATCHED, with_far_ones
 from contin.linalg.inertia import positive_eigenvalues
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange
+from contin.linalg.probed import entries
 from contin.linalg.region_of_pencil import RegionOfPencil
 from contin.machine import elementary
 from contin.problems.one_parameter import InOneParameterProblem
@@ -181,7 +182,7 @@ class LargeEquations(InOneParameterProblem):
             return linear
         work = self.work
         if work.by_entries is None or work.by_entries[0] is not linear:
-            matrix = self.source.entries(linear.apply)
+            matrix = entries(linear.apply, self.n)
             work.by_entries = linear, DirectLinear(matrix, self.source.factoriser, mass=linear.mass)
         return work.by_entries[1]
 

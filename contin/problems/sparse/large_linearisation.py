@@ -7,7 +7,7 @@ tangent the fold's test wants dp/ds as a part of itself. Errors are those that t
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from contin.linalg.eigen import Region
 from contin.linalg.krylov import Accuracy
 from contin.linalg.linear import KrylovBordered, Linear, Solution
 from contin.linalg.region_of_pencil import RegionOfPencil
-from contin.linalg.vectors import dot, norm
+from contin.linalg.vectors import dot, generic, norm
 from contin.machine import elementary
 
 # errors (scaled) of what is solved for by iteration:
@@ -32,13 +32,6 @@ SLOPE = 1e-3  # ... and of dp/ds
 ROUNDED = 1e-14  # at best
 ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
 CHORD = 1e-3  # (scaled) from which the chord between two points says more about the tangent than rounding
-
-
-@lru_cache(maxsize=4)
-def _generic(n: int) -> Array:
-    """Of length 1, with no pattern, the same wherever it is asked for; its last component is 0."""
-    r = np.append(np.random.default_rng(7).uniform(-1.0, 1.0, n - 1), 0.0)
-    return np.asarray(r / norm(r))
 
 
 @dataclass(eq=False)
@@ -81,7 +74,7 @@ class LargeLinearisation:
         """
         if isinstance(self._solution, KrylovBordered):
             return None
-        length = norm(self.solve(_generic(len(self.residual) + 1)))
+        length = norm(self.solve(generic(len(self.residual) + 1)))
         return 1.0 / length if 0.0 < length < np.inf else 0.0
 
     @property

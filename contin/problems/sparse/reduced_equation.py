@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 STEPS: Final = 12
 EPSILON: Final = float(np.finfo(float).eps)
 ALONG: Final = 1e-6  # what is left of a tangent along null vectors
+SINGULAR: Final = 1e8  # length of solutions with borders of length 1 from which K is singular
 STALLED: Final = 1e-7  # a correction that no longer falls is rounding of a nearly degenerate point
 
 
@@ -149,8 +150,13 @@ class Reduced:
         return Crossing(z, mu, gradient, hessian)
 
     def crossing(self, z: Array) -> list[tuple[Array, Array]]:
-        """Tangents z' and second derivatives z'' (raw) of the branches that cross at the branch point z."""
+        """Tangents z' and second derivatives z'' (raw) of the branches that cross at the branch point z.
+
+        None where its kernel has more dimensions than one: K is singular there.
+        """
         solver, along, _ = self.first(z)
+        if not norm((along / self.scale).ravel()) < SINGULAR:
+            return []
         form = self.second(z, solver, along)
         values, vectors = np.linalg.eigh(form)
         if not values[0] * values[1] < 0.0:

@@ -21,6 +21,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.machine import elementary
 
+TINY = float(np.finfo(float).tiny)
 COMPLEX_STEP = 1e-30
 CIRCLE = 0.1  # radius of the circle, relative to the size of the unknowns
 CIRCLE_POINTS = 16
@@ -92,7 +93,8 @@ class Lines:
                 step = r * w
                 value = np.asarray(self.function(u + step * along, p + step * across), dtype=complex)
                 total += weight * (value * turned_back).real
-            return total * (math.factorial(order) / (CIRCLE_POINTS * elementary.pow(r, order)))
+            power = CIRCLE_POINTS * elementary.pow(r, order)
+            return total * (math.factorial(order) / power) if power > TINY else np.full(n, np.nan)  # v is endless
         if order == 1:
             return self._slope_between_corners(u, p, v, reach)
         lower = 1 if self.slope is not None and order > 1 else 0

@@ -29,8 +29,9 @@ class FunctionProblem(GivenFunction):
     u0 : (n,) guess of a solution at `parameters`, {name: value}.
     jacobian : (u, p) -> dF/du. What it returns decides the method: an (n, n) array (dense); a scipy.sparse matrix (one
         factorisation a Newton step, bordered systems by block elimination); a scipy.sparse.linalg.LinearOperator
-        (matrix-free, GMRES). Without it `sparsity`, a matrix whose non-zeros are those of dF/du, makes coloured
-        differences; without both, differences give a dense Jacobian up to n = 200 and products beyond (matrix-free).
+        (matrix-free, GMRES; up to n = 5,000 without a preconditioner a matrix is made of products). Without it
+        `sparsity`, a matrix whose non-zeros are those of dF/du, makes coloured differences; without both, products
+        find where entries are (up to n = 5,000), and from n = 200 on the method is that of a LinearOperator.
     kind : 'flow' or 'map'; decides stability and the types of special points.
     parameter_jacobian : (u, p, name) -> dF/dp_name, (n,).
     derivative : (u, p, d1, ..., dk) -> D^k F[d1, ..., dk], k = 2 and 3; directions (n + m,) in states and parameters.

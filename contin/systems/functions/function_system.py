@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError, InputWarning, NotFiniteError, UserFunctionError
+from contin.linalg.probed import ProbedMatrix
 from contin.normalforms.jet import expand_complex
 from contin.records import Fields
 from contin.systems.functions.derivatives import Lines, is_analytic
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from contin.systems.functions.given_function import GivenFunction
     from contin.systems.protocol import Limit
 
+PROBED = 20  # states from which a Jacobian that is not given is looked at for zeros
 LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
 NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
 
@@ -53,6 +55,7 @@ class FunctionSystem:
         self._worked: set[str] = set()
         self._lost = np.full(self.n, np.nan)
         self._made = 0  # Jacobians by complex steps
+        self._probed = ProbedMatrix(model.n)
         u0, p0 = model.start_point()
         self.observable_names: tuple[str, ...] = ()
         value = self.value(u0, p0)
@@ -274,17 +277,26 @@ class FunctionSystem:
 
             full: Array = self.attempt("Jacobian", evaluate, np.full((self.n, self.n), np.nan), u, p)
             return full
-        matrix = np.empty((self.n, self.n))
+        self.watch_steps(u, p)
+        with np.errstate(all="ignore"):
+            if self.n < PROBED:
+                return np.column_stack([self._along(u, p, v) for v in np.eye(self.n)])
+            matrix = self._probed.at(lambda v: self._along(u, p, v), self.sizes_at(u))
+        assert matrix is not None
+        return np.asarray(matrix.toarray())
+
+    def _along(self, u: Array, p: Array, v: Array) -> Array:
+        return self.lines.first(u, p, np.concatenate([v, np.zeros(self.m)]))
+
+    def sizes_at(self, u: Array) -> Array:
+        """Of the states, (n,): |u|, or typical ones where those are larger."""
+        return np.asarray(np.maximum(np.abs(u), self.lines.sizes[: self.n]))
+
+    def watch_steps(self, u: Array, p: Array) -> None:
+        """Look now and then whether complex steps still give derivatives."""
         self._made += 1
         if self.lines.analytic and self._made % LOOK_AGAIN == 0:
             self._look_again(u, p)
-        direction = np.zeros(self.n + self.m)
-        with np.errstate(all="ignore"):
-            for j in range(self.n):
-                direction[j] = 1.0
-                matrix[:, j] = self.lines.first(u, p, direction)
-                direction[j] = 0.0
-        return matrix
 
     def slopes(self, u: Array, p: Array) -> Any:
         """dF/du, (n, n): sparse where the user gives it so."""
