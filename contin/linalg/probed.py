@@ -22,8 +22,9 @@ Product = Callable[[Array], Array]
 LARGEST_FULL: Final = 1000  # unknowns up to which matrices take n products where they are full
 LARGEST: Final = 5000  # unknowns up to which n products look for zeros
 FULL: Final = 0.25  # part of entries that are not zero from which a matrix is full
-MISSED: Final = 1e-6  # part of a row that is missing where there are entries elsewhere, ...
-ROUNDED: Final = 1e-9  # ... and part of the largest row that rounding and differences make
+ROUNDED: Final = 1e-12  # part of a row that may be off by rounding; what differences make is learned
+SMALL: Final = 1e-4  # rows that are a smaller part of the largest one are looked at beside that part
+NOISE: Final = 4.0  # times what was off where no entry was missing
 BLOCK: Final = 200  # columns that are kept full at a time
 
 
@@ -36,15 +37,18 @@ class ProbedMatrix:
         self._columns = self._colours = np.zeros(0, np.int64)
         self._count = 0
         self._full = False
+        self._noise = ROUNDED
         self._test = np.random.default_rng(23).uniform(0.5, 1.0, n) * np.where(np.arange(n) % 3 == 0, -1.0, 1.0)
 
     def at(self, product: Product, sizes: Array) -> csc_matrix | None:
         """The matrix of v -> product(v); None where it has too many entries for its size."""
         if self.n > LARGEST:
             return None
-        if self._pattern is not None:
+        off, known = 0.0, self._pattern
+        if known is not None:
             matrix = self._by_colours(product, sizes)
-            if self._is_whole(matrix, product, sizes):
+            off = self._off(matrix, product, sizes)
+            if not off > self._noise:
                 return matrix
         elif self._full:
             return entries(product, self.n) if self.n <= LARGEST_FULL else None
@@ -52,6 +56,8 @@ class ProbedMatrix:
         if not np.all(np.isfinite(matrix.data)):
             return matrix
         self._learn(matrix)
+        if known is not None and self._pattern is not None and self._pattern.nnz == known.nnz:
+            self._noise = NOISE * off
         return matrix if self.n <= LARGEST_FULL or not self._full else None
 
     def _learn(self, matrix: csc_matrix) -> None:
@@ -80,13 +86,14 @@ class ProbedMatrix:
         data = slopes[self._colours[self._columns], pattern.indices] / sizes[self._columns]
         return csc_matrix((data, pattern.indices, pattern.indptr), shape=pattern.shape)
 
-    def _is_whole(self, matrix: csc_matrix, product: Product, sizes: Array) -> bool:
-        if not np.all(np.isfinite(matrix.data)):
-            return True
+    def _off(self, matrix: csc_matrix, product: Product, sizes: Array) -> float:
+        """What part of a row is missing, by its product with a random vector; 0 where that is not finite."""
         v: Vector = self._test * sizes
-        rows = abs(matrix) @ np.abs(v)
-        off = np.abs(product(v) - matrix @ v)
-        return bool(np.all(off <= MISSED * rows + ROUNDED * rows.max(initial=0.0)))
+        rows, off = abs(matrix) @ np.abs(v), np.abs(product(v) - matrix @ v)
+        largest = float(rows.max(initial=0.0))
+        if not (np.all(np.isfinite(off)) and largest < np.inf):
+            return 0.0
+        return float(np.max(off / (rows + SMALL * largest))) if largest > 0.0 else float(off.any())
 
 
 def entries(product: Product, n: int) -> csc_matrix:

@@ -34,7 +34,7 @@ def test_a_chain_takes_three_products_and_one_that_looks():
     assert later.calls == 3 + 1
 
 
-@pytest.mark.parametrize("size", [1.0, 1e-4])
+@pytest.mark.parametrize("size", [1.0, 1e-4, 1e-10])
 def test_entries_that_appear_elsewhere_are_seen(size):
     n = 100
     probed, sizes = ProbedMatrix(n), np.ones(n)
@@ -46,6 +46,18 @@ def test_entries_that_appear_elsewhere_are_seen(size):
     again = Counted(more)
     np.testing.assert_allclose(probed.at(again, sizes).toarray(), more.toarray(), atol=1e-14)
     assert again.calls <= 6
+
+
+def test_inexact_products_are_looked_through_once():
+    n = 200
+    probed, matrix, rng = ProbedMatrix(n), chain(n), np.random.default_rng(4)
+    calls = []
+    for _ in range(6):
+        inexact = Counted(matrix)
+        probed.at(lambda v: inexact(v) * (1.0 + 1e-9 * rng.uniform(-1, 1, n)), np.ones(n))  # noqa: B023
+        calls.append(inexact.calls)
+    assert calls[:2] == [n, 4 + n]
+    assert sorted(calls[2:])[:3] == [4, 4, 4]  # another one at most, where the first noise was small by chance
 
 
 def test_full_matrices_take_all_products_up_to_a_size():
