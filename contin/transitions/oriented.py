@@ -10,14 +10,15 @@ from contin.abi import Array
 from contin.linalg.vectors import norm
 
 LEVEL: Final = 1e-6  # part of a direction below which the parameter does not change along it
+MOVES: Final = 1e-3  # part of the largest entry from which one moves; of entries alike rounding chooses the largest
 
 
 def oriented(direction: Array, scale: Array) -> Array:
-    """A direction (N,), raw, towards growing parameter; where that does not change, that of its largest entry.
+    """A direction (N,), raw, towards growing parameter; where that does not change, of the first unknown that moves.
 
     scale : (N,), in whose units the direction is measured.
     """
     scaled = direction / scale
-    lead = direction[-1] if abs(scaled[-1]) > LEVEL * norm(scaled) else 0.0
-    backwards = lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0)
-    return -direction if backwards else direction
+    sizes = np.abs(scaled)
+    moving = sizes.size - 1 if sizes[-1] > LEVEL * norm(scaled) else int(np.argmax(sizes > MOVES * sizes.max()))
+    return -direction if scaled[moving] < 0.0 else direction

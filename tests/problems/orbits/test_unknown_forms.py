@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contin.problems.orbits.normal_forms import normal_form
+from contin.normalforms import cycles
 from tests.loci.orbits.test_codim_two import CIRCLE, SQUARE, twisted
 from tests.truth.planted_orbits import SIMPLE, Hidden
 
@@ -15,7 +15,7 @@ def test_a_normal_form_that_cannot_be_computed_is_a_note(monkeypatch):
     def fails(linear):
         raise np.linalg.LinAlgError("a matrix is exactly singular")
 
-    monkeypatch.setattr(normal_form, "period_doubling", fails)
+    monkeypatch.setattr(cycles, "period_doubling", fails)
     core = next(core for core in SIMPLE if core.type == "PD")
     family = Hidden(core, 4, "plain", 1).family()
     assert family["PD1"].normal_form == {}
