@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import fsum
 from typing import Final, Literal
 
 import numpy as np
@@ -168,13 +169,30 @@ def _dirichlet(n: int, t: Array) -> Array:
 
 
 def _fourier(n: int, order: int) -> Array:
-    """The matrix of the derivative on the circle of circumference 2 pi; odd ones of the highest mode of an even n are
-    zero at the nodes."""
-    k = np.fft.fftfreq(n, 1.0 / n)
-    symbol = (1j * k) ** order
-    if n % 2 == 0 and order % 2 == 1:
-        symbol[n // 2] = 0.0
-    column = np.fft.ifft(symbol).real
+    """The matrix of a derivative (order 1 to 4) on the circle of circumference 2 pi; odd ones of the highest mode of an
+    even n are zero at the nodes.
+
+    With g = cot(x/2) for even n and 1/sin(x/2) for odd n the interpolant of (1, 0, ..., 0) is sin(n x/2) g(x)/n. Its
+    derivatives at nodes are small sums of those of g: every entry is right to rounding, which a sum over modes is not
+    where entries are much smaller than the largest. The diagonal is what makes derivatives of constants zero: long
+    waves see of the rounding of the entries only how they differ from constants.
+    """
+    j = np.arange(1, n // 2 + 1)
+    half = np.pi * j / n
+    c, s = 1.0 / elementary.sin(half), np.where(j % 2 == 0, 1.0, -1.0)
+    cot, c2 = elementary.cos(half) * c, c * c
+    if n % 2 == 0:
+        g = (cot, -0.5 * c2, 0.5 * c2 * cot, -0.25 * c2 * c2 - 0.5 * c2 * cot * cot)
+    else:
+        g = (c, -0.5 * c * cot, 0.25 * c * (cot * cot + c2), c * cot * (0.125 - 0.75 * c2))
+    squared = float(n) * n
+    values = s * (0.5 * g[0], g[1], 1.5 * g[2] - 0.125 * squared * g[0], 2.0 * g[3] - 0.5 * squared * g[1])[order - 1]
+    parity = -1.0 if order % 2 else 1.0
+    column = np.zeros(n)
+    column[n - j] = parity * values
+    column[j] = values if order % 2 == 0 or n % 2 else np.append(values[:-1], 0.0)
+    if order % 2 == 0:
+        column[0] = -fsum(column[1:])
     j = np.arange(n)
     return np.asarray(column[(j[:, None] - j[None, :]) % n])
 

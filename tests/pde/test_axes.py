@@ -29,6 +29,19 @@ def test_fourier_matrices_are_exact_below_the_highest_mode(points, order):
         assert axis.interpolation(1.7) @ wave == pytest.approx(np.exp(1j * mode * k * 1.7), abs=1e-12)
 
 
+@pytest.mark.parametrize("points", [9, 12, 64])
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_entries_of_fourier_matrices_are_sums_over_modes(points, order):
+    k = np.arange(1, (points - 1) // 2 + 1)
+    t = 2 * np.pi * np.arange(points) / points
+    phase = t[:, None] * k + order * np.pi / 2  # cos differentiated `order` times
+    column = 2.0 / points * (np.cos(phase) * (1.0 * k) ** order).sum(axis=1)
+    if points % 2 == 0 and order % 2 == 0:
+        column += np.cos(0.5 * points * t + order * np.pi / 2) * (0.5 * points) ** order / points
+    matrix = Axis("x", 0.0, 2 * np.pi, points, "fourier", True).derivative(order).toarray()
+    np.testing.assert_allclose(matrix[:, 0], column, atol=1e-13 * points**order)
+
+
 @pytest.mark.parametrize("periodic", [False, True])
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_differences_are_of_second_order_everywhere(periodic, order):

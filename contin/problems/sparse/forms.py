@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 SAMPLES = 3
 SPREAD = 4.0  # of an error, over the largest of SAMPLES
+SAME = 0.25  # about the diagonal's part of a row's terms
+EPSILON = float(np.finfo(float).eps)
 
 
 def linear_at(problem: SparseEquations, z: Array) -> Linear:
@@ -55,17 +57,27 @@ def unit(linear: Linear, q: Vector) -> Vector:
     return counted if linear.mass is None else np.asarray(q * (counted[k] / whole[k]))
 
 
+def rounding_errors(size: Array, along: Vector, generator: np.random.Generator) -> list[Vector]:
+    """What rounding of a matrix's entries may add to its product with `along`, whose terms have the sum `size`.
+
+    Rows of random errors, and one in which those of the diagonal are the same everywhere, as where all rows of a
+    discretisation are alike: they shift all eigenvalues together, where random ones of n rows cancel.
+    """
+    found = [np.asarray(row * size) for row in EPSILON * generator.uniform(-1.0, 1.0, (SAMPLES, len(size)))]
+    modulus = np.abs(along)
+    sense = np.divide(along, modulus, out=np.zeros_like(along), where=modulus > 0.0)
+    return [*found, np.asarray(SAME * EPSILON * size * sense)]
+
+
 def rounding(linear: Linear, value: complex, q: Vector) -> float:
     """How much the real part of an eigenvalue moves when the operator's entries are rounded: max |Re <p, E q>|.
 
-    E has random entries of half a unit in the last place of A's, or, where A is not known by entries, of its size.
+    E has entries of a unit in the last place of A's, or, where A is not known by entries, of its size.
     """
-    generator = np.random.default_rng(4)
     q = unit(linear, q)
     project = projector(linear.shifted(value), q, coarse=True)
-    size = linear.magnitude(np.abs(q))
-    noise = np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, len(q)))
-    return max(abs(complex(project((size * row).astype(complex))[1]).real) for row in noise)
+    noise = rounding_errors(linear.magnitude(np.abs(q)), q, np.random.default_rng(4))
+    return max(abs(complex(project(row.astype(complex))[1]).real) for row in noise)
 
 
 def rounding_of_fold(problem: SparseEquations, z: Array, q: Vector) -> float:
@@ -99,9 +111,9 @@ def rounding_of_branch_point(problem: SparseEquations, z: Array, q: Vector, form
     project = projector(linear, q, coarse=True)
     h = -np.real(project(slope)[0])
     worst = 0.0
-    for size, weight in ((linear.magnitude(np.abs(q)), b11), (linear.magnitude(np.abs(h)) + np.abs(slope), b20)):
-        noise = np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, len(q)))
-        worst += weight * max(abs(complex(project(size * row)[1])) for row in noise)
+    for along, other, weight in ((q, 0.0, b11), (h, np.abs(slope), b20)):
+        size = linear.magnitude(np.abs(along)) + other
+        worst += weight * max(abs(complex(project(row)[1])) for row in rounding_errors(size, along, generator))
     return worst / discriminant
 
 

@@ -23,6 +23,7 @@ from contin.linalg.vectors import norm
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.multiple import multiple_directions
 from contin.normalforms.reduction import Reduction
+from contin.problems.sparse.forms import rounding_errors
 from contin.problems.sparse.reduced_equation import border_rows
 
 if TYPE_CHECKING:
@@ -146,6 +147,28 @@ class Kernel:
 
         found = newton(correct, np.zeros(self.k + 1), TOGETHER)
         return None if found is None or not left < CONSISTENT else (here[0], left)
+
+    def rounding(self, z: Array) -> float:
+        """How much the parameter of the branch point z moves when entries of [F_u F_p] are rounded.
+
+        Their errors E change the slopes mu_i by what the borders see of E z_i. They are the same ones from everywhere:
+        no scatter of the iteration shows them.
+        """
+        linear = self.problem.linear(z)
+        if linear is None:
+            return np.inf
+        solver, along, _ = self.slopes(z)
+        second = self.curvatures(z, solver, along)[0].reshape(-1, self.k + 1)
+        slope, none = np.abs(self.problem.parameter_slope(z)), np.zeros(self.k + 1)
+        generator, worst = np.random.default_rng(10), 0.0
+        errors = [
+            rounding_errors(linear.magnitude(np.abs(v[:-1])) + abs(v[-1]) * slope, v[:-1], generator) for v in along
+        ]
+        for noise in zip(*errors, strict=True):
+            moved = np.column_stack([self.solve(solver, e, none)[1] for e in noise])  # of mu_i, (k, k + 1)
+            step = np.linalg.lstsq(second, moved.ravel())[0]
+            worst = max(worst, abs(float(step @ along[:, -1])))
+        return worst
 
 
 @dataclass(frozen=True, eq=False)

@@ -264,7 +264,7 @@ def _multiple(problem: LargeEquations, near: Sample, frame: Frame, k: int) -> Ou
     others = np.delete(spectrum.values, np.argsort(np.abs(spectrum.values))[:k])
     reduction_ = ReducedJet(kernel, z).reduction
     form = any_branch_point(reduction_.jet, kernel=k, reduction=reduction_)
-    error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
+    error = 4.0 * scatter + EPSILON * abs(float(z[-1])) + 3.0 * kernel.rounding(z)
     unstable = int(np.sum(others.real > 0.0))
     coefficients = dict(form.coefficients) | ({"errors": stated(form.errors)} if form.errors else {})
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, coefficients, {"kernel": k})
