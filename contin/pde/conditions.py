@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from contin.errors import ExpressionError, InputError
+from contin.errors import ExpressionError
 from contin.model.expression import ZERO, Expression, div, mul, neg, substitute, symbol, symbols_in
 from contin.model.inline import Formulas
 from contin.model.scope import Calls, Scope
@@ -20,14 +20,6 @@ from contin.pde.slots import Slot, Slots
 from contin.symbolic.calculus.derivatives import derivative
 
 ALL = "all"
-
-
-class SideError(InputError):
-    """A condition that the discretisation at `path` cannot carry out."""
-
-    def __init__(self, path: Path, message: str) -> None:
-        super().__init__(message)
-        self.path = path
 
 
 @dataclass(frozen=True)

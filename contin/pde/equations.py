@@ -3,6 +3,7 @@
 b = B(p)                    values that conditions give
 g = G(s(u, b), p)           slopes that conditions give, of fields' values beside them
 F_f = f(s(u, b, g), p)      every equation at the nodes where its field is unknown
+0   = G(s(u, b), p) - s     where a condition for a slope s is the equation of the value at an end: its mass is 0
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ from contin.pde.slots import Slots
 from contin.pde.unknowns import Data, LinearMap, Unknowns
 
 
+_Part = tuple[NDArray[np.intp], LocalFormula]  # places of unknowns, and their equation
+
+
 class Discretised:
     """The equations of all fields on a grid."""
 
@@ -31,7 +35,29 @@ class Discretised:
         self._maps: dict[str, LinearMap] = {}
         self._values = [self._local(d.right, d.nodes) for d in unknowns.values]
         self._slopes = [self._local(d.right, d.nodes) for d in unknowns.slopes]
-        self.equations = {f: self._local(equations[f], unknowns.free[f]) for f in unknowns.fields}
+        self._equations = [part for f in unknowns.fields for part in self._parts(f, equations[f])]
+
+    def _parts(self, field: str, equation: Expression) -> list[_Part]:
+        """What determines the unknowns of a field."""
+        free, places = self.unknowns.free[field], self.unknowns.places[field]
+        inside, found = np.ones(len(free), bool), []
+        for held in self.unknowns.held:
+            if held.slot.field == field:
+                at = np.isin(free, held.nodes)
+                inside &= ~at
+                found.append((places[at], self._local(held.right - self.slots.symbol(held.slot), free[at])))
+        return [(places[inside], self._local(equation, free[inside])), *found]
+
+    @property
+    def mass(self) -> Array | None:
+        """(n,) ones, and zeros where a condition is the equation; None: ones alone."""
+        if not self.unknowns.held:
+            return None
+        mass = np.ones(self.n)
+        for held in self.unknowns.held:
+            field = held.slot.field
+            mass[self.unknowns.places[field][np.isin(self.unknowns.free[field], held.nodes)]] = 0.0
+        return mass
 
     def map_of(self, name: str) -> LinearMap:
         """The map of a slot at all nodes."""
@@ -67,15 +93,15 @@ class Discretised:
         """F (n,), real or complex; (n, K) of K states u (n, K)."""
         b, g = self.boundary(u, p)
         out = np.empty((self.n, *u.shape[1:]), np.result_type(u, float, *p.values()))
-        for field, local in self.equations.items():
-            out[self.unknowns.places[field]] = _spread(local.value(local.slot_values(u, b, g), p), u)
+        for places, local in self._equations:
+            out[places] = _spread(local.value(local.slot_values(u, b, g), p), u)
         return out
 
     # Jacobian ---------------------------------------------------------------------------------------------------------
 
     @cached_property
     def _assembly(self) -> _Assembly:
-        return _Assembly(self.n, list(self.equations.items()), self._slopes, self.unknowns)
+        return _Assembly(self.n, self._equations, self._slopes, self.unknowns)
 
     def jacobian(self, u: Array, p: Values) -> csc_matrix:
         """dF/du, exact, always with the same pattern."""
@@ -84,7 +110,7 @@ class Discretised:
     def jacobians(self, u: Array, p: Values) -> list[csc_matrix]:
         """dF/du at K states u (n, K)."""
         b, g = self.boundary(u, p)
-        outer = [_spread(a, u) for q in self.equations.values() for a in q.slopes(q.slot_values(u, b, g), p)]
+        outer = [_spread(a, u) for _, q in self._equations for a in q.slopes(q.slot_values(u, b, g), p)]
         inner = [_spread(a, u) for q in self._slopes for a in q.slopes(q.slot_values(u, b, None), p)]
         both = _joined(outer), _joined(inner)
         return [self._assembly.matrix(*(x[:, k] if x.ndim == 2 else x for x in both)) for k in range(u.shape[1])]
@@ -99,9 +125,9 @@ class Discretised:
         g = _stacked([{s: _spread(x, u) for s, x in jet.items()} for jet in inner], whole)
         rated = [x for rate in rates for x in rate.values()]
         out = np.empty(u.shape, np.result_type(u, float, *p.values(), *rated, *(v for v, _ in directions)))
-        for field, local in self.equations.items():
+        for places, local in self._equations:
             jet = local.jet(_slot_jets(local, jet_u, b, g), p, rates, whole)
-            out[self.unknowns.places[field]] = _spread(jet[whole], u)
+            out[places] = _spread(jet[whole], u)
         return out
 
     def fields(self, u: Array, p: Values) -> dict[str, Array]:
@@ -144,7 +170,7 @@ class _Assembly:
     def __init__(
         self,
         n: int,
-        equations: Sequence[tuple[str, LocalFormula]],
+        equations: Sequence[_Part],
         conditions: Sequence[LocalFormula],
         unknowns: Unknowns,
     ) -> None:
@@ -152,8 +178,7 @@ class _Assembly:
         rows, columns, factors, outer, inner = [none], [none], [np.empty(0)], [none], [none]
         chain = _rows_of_slopes(conditions, unknowns.slopes)
         first = 0
-        for field, local in equations:
-            place = unknowns.places[field]
+        for place, local in equations:
             for m in local.maps:
                 S = m.S.tocoo()
                 parts = [(S.row, S.col, S.data, np.full(S.nnz, -1))]

@@ -22,7 +22,7 @@ from contin.model.shape import check_version, plain
 from contin.model.source import CallSource, Path, Problems, Source
 from contin.model.values import parameter_values
 from contin.pde.axes import Axis
-from contin.pde.conditions import ConditionReader, SideError
+from contin.pde.conditions import ConditionReader
 from contin.pde.conserved import Conserving
 from contin.pde.equations import Discretised
 from contin.pde.frame import Travelling
@@ -117,13 +117,9 @@ class _Builder:
         if not self.problems:
             self._check_values(parameters)
         self.problems.raise_if_any()
-        try:
-            system = Discretised(equations, self.slots, Unknowns(self.grid, self.fields, conditions))
-        except SideError as error:
-            self.problems.add(error.path, str(error))
-            self.problems.raise_if_any()
-            raise
-        described = {"name": entry.name, "title": entry.title, "source": entry.source, "expect": self._expected()}
+        system = Discretised(equations, self.slots, Unknowns(self.grid, self.fields, conditions))
+        described = {"name": entry.name, "title": entry.title, "source": entry.source, "expect": self._expected(),
+                     "mass": system.mass}  # fmt: skip
         observer = Observer(system, observables, measures.found)
         held = self._conserving(system, parameters)
         moving = self._travelling(held, parameters)

@@ -2,7 +2,9 @@
 
 With u (n,) the unknowns, b the right-hand sides at nodes that conditions determine, g the slopes at ends of meshes of
 differences, a slot is s = S u + T b + G g. A value that a condition gives leaves the unknowns; so does
-every node at an end of a Chebyshev axis, where conditions for slopes are solved for the values at the ends. On a mesh
+every node at an end of a Chebyshev axis where conditions for slopes can be solved for the values at the ends once for
+all: the slope is a number times the value, plus what depends on no field. Where it is more the end's value stays an
+unknown, and the condition is its equation (`held`): an algebraic one, whose mass is 0. On a mesh
 of differences with a given slope the end's value stays an unknown, and the slope enters the stencil.
 At a corner a value goes before a slope, and the first axis before the second.
 """
@@ -21,7 +23,7 @@ from contin.abi import Vector
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
 from contin.model.expression import ZERO, Expression, substitute, symbol, symbols_in
-from contin.pde.conditions import SideCondition, SideError
+from contin.pde.conditions import SideCondition
 from contin.pde.grid import Grid
 from contin.pde.slots import Slot
 from contin.symbolic.calculus.derivatives import derivative
@@ -34,6 +36,15 @@ class Data:
     right: Expression
     nodes: NDArray[np.intp]
     at: slice
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A condition that is the equation of values at the ends of an axis: the slope `slot` of a field is `right`."""
+
+    slot: Slot
+    right: Expression
+    nodes: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +83,7 @@ class Unknowns:
         self.grid, self.fields = grid, tuple(fields)
         self.values: list[Data] = []  # b
         self.slopes: list[Data] = []  # g
+        self.held: list[Held] = []
         self._conditions = {f: [c for c in conditions if c.field == f] for f in fields}
         self._next = {"b": 0, "g": 0}
         determined = {f: self._determined(f) for f in fields}
@@ -106,7 +118,12 @@ class Unknowns:
             right = condition.right
             row = csr_matrix(identity(grid.size))[at]
             if condition.kind == "slope":
-                own, right = _affine(condition, self.fields)
+                affine = _affine(condition, self.fields)
+                if affine is None:
+                    orders = tuple(int(k == condition.side.axis) for k in range(len(grid.axes)))
+                    self.held.append(Held(Slot(field, orders), right, at))
+                    continue
+                own, right = affine
                 row = grid.along(condition.side.axis, axis.derivative(1))[at] - own * row
             if len(at):
                 nodes.append(at)
@@ -199,15 +216,10 @@ class Unknowns:
         return csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 
-def _affine(condition: SideCondition, fields: Sequence[str]) -> tuple[float, Expression]:
-    """(k, rest) of a slope k u + rest at the end of a Chebyshev axis."""
+def _affine(condition: SideCondition, fields: Sequence[str]) -> tuple[float, Expression] | None:
+    """(k, rest) of a slope k u + rest at the end of a Chebyshev axis, k a number; None where it is more than that."""
     own = derivative(condition.right, condition.field)
     rest = substitute([condition.right], {symbol(condition.field): ZERO})[0]
     if symbols_in([own]) or set(fields) & set(symbols_in([rest])):
-        raise SideError(
-            condition.path,
-            f"the slope of {condition.field} at the end of a Chebyshev axis must be a number times {condition.field}, "
-            "plus a formula in parameters and coordinates; with `method: differences` any formula is taken"
-        )
+        return None
     return float(evaluate(own, {})), rest
-

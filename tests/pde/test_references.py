@@ -31,6 +31,50 @@ def test_bratu_fold_on_an_interval():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
 
 
+def test_a_parameter_in_a_condition_for_a_slope_moves_eigenvalues_as_a_number_does():
+    # u'' + lam u = 0, u(0) = 0, u'(1) = -k u(1): s cos s + k sin s = 0, lam = s^2
+    boundary = {"x.start": "u = 0", "x.end": "dn(u) = -k*u"}
+    given = {"domain": {"x": {"points": 20, "method": "chebyshev"}}, "fields": {"u": 0}, "kind": "pde", "name": "case"}
+    for k in (0.5, 3.0):
+        s = brentq(lambda s, k=k: s * np.cos(s) + k * np.sin(s), np.pi / 2, np.pi)
+        forms = []
+        for right in ("-k*u", f"-{k}*u"):
+            problem = contin.load({
+                **given, "parameters": {"lam": 1.0, "k": k}, "equations": {"u": "dxx(u) + lam*(u - u^3)"},
+                "boundary": {**boundary, "x.end": f"dn(u) = {right}"},
+            })  # fmt: skip
+            line = contin.continuation(contin.equilibrium(problem), "lam", (0.5, 20))
+            assert [p.label for p in line.points] == ["BP1"]
+            assert line["BP1"].values["lam"] == pytest.approx(s * s, abs=1e-11)
+            assert line.columns["unstable"][[0, -1]].tolist() == [0, 1]
+            forms.append(line["BP1"].normal_form["b30"])
+        assert forms[0] == pytest.approx(forms[1], rel=1e-9)  # <p, M q> = 1, |q| = 1 over the states with mass
+
+
+def test_a_nonlinear_slope_on_a_chebyshev_axis_is_the_limit_of_that_by_differences():
+    def at(points, method):
+        domain = {"x": {"points": points, "method": method}}
+        return fold(model("dxx(u) + lam*exp(u)", boundary="dn(u) = -2*((1 + u)^4 - 1)", domain=domain), 5).values["lam"]
+
+    fine = at(24, "chebyshev")
+    assert at(18, "chebyshev") == pytest.approx(fine, abs=1e-8)
+    assert np.log2((at(51, "differences") - fine) / (at(101, "differences") - fine)) == pytest.approx(2.0, abs=0.05)
+
+
+def test_orbits_with_a_parameter_in_a_condition_return():
+    problem = contin.load({
+        "name": "case", "kind": "pde", "domain": {"x": {"points": 10, "method": "chebyshev"}},
+        "fields": {"X": "A", "Y": "B/A"}, "parameters": {"B": 3, "A": 2, "D": 0.02, "k": 1},
+        "equations": {"X": "D*dxx(X) + A - (B + 1)*X + X^2*Y", "Y": "2*D*dxx(Y) + B*X - X^2*Y"},
+        "boundary": {"all": ["dn(X) = -k*(X - A)", "dn(Y) = -k*(Y - B/A)*X"]},
+    })  # fmt: skip
+    line = contin.continuation(contin.equilibrium(problem), "B", (3, 6), settings={"stop_at": ("HB",)})
+    family = contin.continuation(line["HB1"].switch(), "B", (3, 6), settings={"steps": 2})
+    assert family.columns["period"][0] == pytest.approx(2 * np.pi / line["HB1"].normal_form["omega"], rel=1e-9)
+    assert np.ptp(family.columns["X.max.max"]) > 0.01
+    assert not family.columns["unstable"].any()
+
+
 def test_bratu_fold_on_a_square():
     axis = {"points": 14, "method": "chebyshev"}
     found = fold(model("lap(u) + lam*exp(u)", domain={"x": axis, "y": axis}), 8)
