@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from contin.abi import Array, Vector
+from contin.linalg.vectors import norm
 from contin.model.expression import Expression
 from contin.pde.local_formula import NOTHING, Jet, LocalFormula, Values, subsets
 from contin.pde.slots import Slots
 from contin.pde.unknowns import Data, LinearMap, Unknowns
 
-
+CHANGES = 1e-8  # slope of a state, of its size over the circle's length, that is more than rounding
 _Part = tuple[NDArray[np.intp], LocalFormula]  # places of unknowns, and their equation
 
 
@@ -58,6 +59,15 @@ class Discretised:
             field = held.slot.field
             mass[self.unknowns.places[field][np.isin(self.unknowns.free[field], held.nodes)]] = 0.0
         return mass
+
+    def shifted_along(self, u: Array) -> str | None:
+        """A circle along which the state changes and no equation does: translations along it give other solutions."""
+        local = [*self._values, *self._slopes, *(part for _, part in self._equations)]
+        for k, axis in enumerate(self.grid.axes):
+            alike = axis.periodic and not any(axis.name in part.coordinates for part in local)
+            if alike and norm(self.unknowns.along(k) @ u) > CHANGES * norm(u) / axis.length:
+                return axis.name
+        return None
 
     def map_of(self, name: str) -> LinearMap:
         """The map of a slot at all nodes."""

@@ -14,13 +14,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import csc_matrix
 
 from contin.abi import Array, Vector
 from contin.errors import InputError
 from contin.pde.local_formula import NOTHING, Jet, Values, subsets
 from contin.pde.protocol import Equations, check_full
-from contin.pde.slots import Slot
 
 
 class Travelling:
@@ -30,22 +29,11 @@ class Travelling:
         self.still, self.n = still, still.n
         self.unknowns, self.grid, self.slots = still.unknowns, still.grid, still.slots
         check_full(self, "travelling")
-        self.generator = self._generator(axis)
+        self.generator = self.unknowns.along(axis)
         self._turned = np.asarray(self.generator @ like)
         if not self._turned.any():
             name = self.grid.axes[axis].name
             raise InputError(f"the wave under `travelling` does not change along {name}: write one, as in cos({name})")
-
-    def _generator(self, axis: int) -> csr_matrix:
-        """D on the unknowns."""
-        total = csr_matrix((self.n, self.n))
-        for field in self.unknowns.fields:
-            orders = tuple(int(k == axis) for k in range(len(self.grid.axes)))
-            rows = self.unknowns.map_of(Slot(field, orders)).S[self.unknowns.free[field]]
-            places = self.unknowns.places[field]
-            put = csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(self.n, len(places)))
-            total = total + put @ rows
-        return csr_matrix(total)
 
     def moves(self, u: Vector) -> bool:
         """False of a state that is the same all along the axis: nothing tells its velocity."""

@@ -15,6 +15,7 @@ from contin.model.expression import Expression
 from contin.model.parts import Parameter, Start
 from contin.model.values import parameter_values
 from contin.pde.arrays import ArrayFormulas
+from contin.pde.equations import Discretised
 from contin.pde.frame import Travelling
 from contin.pde.measures import Observer
 from contin.pde.protocol import Equations
@@ -156,6 +157,16 @@ class PdeProblem(FunctionProblem):
             return "the start does not change along the axis of `travelling`: it has no velocity"
         field, x = self._where[int(bad[0])]
         return f"the equation of {field} is not finite at {self._place(x)}"
+
+    def advice(self, u: Array) -> str:
+        if not isinstance(self.discretised, Discretised):
+            return ""
+        axis = self.discretised.shifted_along(u)
+        return "" if axis is None else (
+            f" States that change along {axis} come in families, for no equation does: translations along {axis} lead "
+            f"to others, and the Jacobian is singular at each. `travelling: {{axis: {axis}, like: ...}}` in the model "
+            "follows one of each family, with its velocity (0 where it stands)"
+        )
 
     def profile(self, u: Array, p: Mapping[str, float]) -> dict[str, Array]:
         """Coordinates of the axes' nodes, and every field on the grid, (points,) or (points, points)."""

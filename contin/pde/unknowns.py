@@ -166,6 +166,17 @@ class Unknowns:
         P = P - into @ (inverse @ (found.rows @ P))
         return csr_matrix(P), csr_matrix(into @ (inverse @ place))
 
+    def along(self, axis: int) -> csr_matrix:
+        """d/dx along an axis, on the unknowns (n, n), where no value is given at its sides."""
+        total = csr_matrix((self.n, self.n))
+        for field in self.fields:
+            orders = tuple(int(k == axis) for k in range(len(self.grid.axes)))
+            rows = self.map_of(Slot(field, orders)).S[self.free[field]]
+            places = self.places[field]
+            put = csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(self.n, len(places)))
+            total = total + put @ rows
+        return csr_matrix(total)
+
     def map_of(self, slot: Slot) -> LinearMap:
         """A field's derivative at all nodes."""
         P, Q = self._values[slot.field]

@@ -26,6 +26,7 @@ UNSEEN = 1e-11  # part of its size up to which a product is rounding
 ACCEPTABLE = 1e-6  # a correction that no longer falls, because of rounding or at a fold
 SETTLED = 1e-9  # part of a state that its own correction is at the end, ...
 NOISE = 100.0  # ... or times what rounding of the equations' terms makes of it
+VANISHED = 1e-30  # part of the largest state met on the way, below which all are zero if zero solves the equations
 LATE = 8  # corrections for states that are small beside others
 
 
@@ -104,7 +105,7 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
     if not np.all(np.isfinite(f)):
         raise NotFiniteError(system.why_not_finite(u, p) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
-    before, late = np.inf, 0
+    before, late, widest = np.inf, 0, float(np.abs(u).max())
     for _ in range(BUDGET):
         if history[-1] == 0.0:
             return LargeEquilibrium(system, u, p, source)
@@ -128,9 +129,13 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
         part, (u, f) = found
         before = size if part == 1.0 else np.inf
         history.append(float(np.max(np.abs(f))))
+        widest = max(widest, float(np.abs(u).max()))
+        if float(np.abs(u).max()) < VANISHED * widest and not system.value(np.zeros_like(u), p).any():
+            return LargeEquilibrium(system, np.zeros_like(u), p, source)  # beside which no correction is small
+    advice = system.model.advice(u)
     shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
     raise NoSolutionError(
         f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. Start closer, "
         "give other parameters, or check the Jacobian (matrix-free: the preconditioner); or begin with `start: auto`, "
-        "which simulates the given state to rest"
+        f"which simulates the given state to rest{advice and '.'}{advice}"
     )

@@ -75,6 +75,26 @@ def test_orbits_with_a_parameter_in_a_condition_return():
     assert not family.columns["unstable"].any()
 
 
+@pytest.mark.parametrize(
+    ("equation", "told"), [("lam*u + dxx(u) - u^3", True), ("lam*u*cos(x)^2 + dxx(u) - u^3", False)]
+)
+def test_branches_that_translations_move_are_told_what_follows_them(equation, told):
+    domain = {"x": {"to": "2*pi", "points": 16, "method": "fourier"}}
+    problem = model(equation, boundary=None, domain=domain, lam=0.5)
+    problem = contin.equilibrium(problem, start={"u": "0*x"})
+    text = problem.system.model.advice(np.cos(np.arange(16)))
+    assert ("travelling: {axis: x" in text) is told
+    assert problem.system.model.advice(np.ones(16)) == ""
+
+
+def test_newtons_method_that_runs_into_zero_ends_there():
+    # u'' - u - u^3: from u = .8 cos x corrections fall with the third power down to the smallest numbers
+    domain = {"x": {"to": "2*pi", "points": 16, "method": "fourier"}}
+    problem = model("dxx(u) - lam*u - u^3", boundary=None, domain=domain, lam=1.0)
+    found = contin.equilibrium(problem, {"u": "0.8*cos(x)"})
+    assert not found.u.any()
+
+
 def test_bratu_fold_on_a_square():
     axis = {"points": 14, "method": "chebyshev"}
     found = fold(model("lap(u) + lam*exp(u)", domain={"x": axis, "y": axis}), 8)
@@ -96,7 +116,7 @@ def test_chafee_infante_bifurcations_at_the_squares():
 
 @pytest.mark.parametrize(("circumference", "points"), [(2, 32), (2, 64), (4, 64), (6, 32)])
 def test_branch_points_of_swift_hohenberg_on_a_circle_lie_within_their_errors(circumference, points):
-    # r = (1 - k^2)^2 with k = 2 j/circumference: eigenvalues 0 of a matrix whose entries, up to (points/2)^4, are rounded
+    # r = (1 - k^2)^2 with k = 2 j/circumference: zero eigenvalues of a matrix of rounded entries up to (points/2)^4
     domain = {"x": {"to": f"{circumference}*pi", "points": points, "periodic": True, "method": "fourier"}}
     problem = model("(lam - 1)*u - 2*dxx(u) - dxxxx(u) + u^2 - u^3", boundary=None, domain=domain)
     line = contin.continuation(contin.equilibrium(problem, parameters={"lam": -0.3}), "lam", (-1, 0.9))

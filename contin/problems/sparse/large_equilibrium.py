@@ -144,7 +144,7 @@ class LargeProblem(LargeEquations):
             return f"Beyond, {near}"
         return self.system.why_not_finite(u, p) or (
             "Try a smaller settings.step, or a larger settings.tolerance; matrix-free: a better preconditioner."
-            + self._uneven(u)
+            + self._uneven(u) + self.system.model.advice(u)
         )
 
     def _uneven(self, u: Array) -> str:

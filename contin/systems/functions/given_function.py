@@ -267,6 +267,10 @@ class GivenFunction:
         values = ", ".join(f"{key}: {value!r}" for key, value in self.values.items())
         return f"# a Python function\nname: {self.name}\nunknowns: {self.n}\nparameters: {{{values}}}\n"
 
+    def advice(self, u: Array) -> str:
+        """What may help where no solution is found near u (n,), beside what always may; empty: nothing is known."""
+        return ""
+
     def default_parameters(self, overrides: Record | None = None) -> dict[str, float]:
         """Values of all parameters with overrides."""
         unknown = sorted(set(overrides or {}) - set(self.values))
