@@ -79,6 +79,19 @@ class Lines:
             return self.slope(u, p, v)
         return self.pure(u, p, v, 1)
 
+    def columns(self, u: Array, p: Array) -> Array:
+        """[dF/du dF/dp] (n, n + m) by complex steps, of an analytic F: `first` along all axes, with its sizes once."""
+        n = len(u)
+        steps = COMPLEX_STEP * np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
+        states, others = u.astype(complex), p.astype(complex)
+        found = np.empty((n, len(steps)))
+        for j, h in enumerate(steps.tolist()):
+            moved, k = (states.copy(), j) if j < n else (others.copy(), j - n)
+            moved[k] += 1j * h
+            value = self.function(moved, others) if j < n else self.function(states, moved)
+            found[:, j] = np.imag(value) / h
+        return found
+
     def pure(self, u: Array, p: Array, v: Array, order: int) -> Array:
         """D^k F[v, ..., v], k = `order`."""
         n = len(u)

@@ -288,6 +288,13 @@ class FunctionSystem:
     def _along(self, u: Array, p: Array, v: Array) -> Array:
         return self.lines.first(u, p, np.concatenate([v, np.zeros(self.m)]))
 
+    def _by_complex_steps(self, u: Array, p: Array) -> bool:
+        """Whether all columns of [dF/du dF/dp] come from complex steps, one by one."""
+        if self.model.jacobian is not None or self.model.parameter_jacobian is not None or self.n >= PROBED:
+            return False
+        self.watch_steps(u, p)
+        return self.lines.analytic
+
     def sizes_at(self, u: Array) -> Array:
         """Of the states, (n,): |u|, or typical ones where those are larger."""
         return np.asarray(np.maximum(np.abs(u), self.lines.sizes[: self.n]))
@@ -319,6 +326,9 @@ class FunctionSystem:
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """F (n,) and dF/dz (n, n + m)."""
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+        if self._by_complex_steps(states, others):
+            with np.errstate(all="ignore"):
+                return self.value(states, others), self.lines.columns(states, others)
         with np.errstate(all="ignore"):
             columns = [self.parameter_slope(states, others, k) for k in range(self.m)]
             matrix = np.column_stack([self.state_jacobian(states, others), *columns])
@@ -378,6 +388,9 @@ class FunctionSystem:
         if np.iscomplexobj(direction):
             return self.gradient(u, p, direction.real) + 1j * self.gradient(u, p, direction.imag)
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+        if self._by_complex_steps(states, others):
+            with np.errstate(all="ignore"):
+                return self.lines.along(self.lines.columns, states, others, direction)
         if self.lines.analytic or self.model.jacobian is not None:
             return self.lines.along(lambda a, b: self.jacobian(a, b)[1], states, others, direction)
         unit = np.eye(self.n + self.m)

@@ -73,7 +73,7 @@ class FunctionInKernels(FunctionSystem):
             product[:], matrix[:] = np.nan, np.nan
             try:
                 states, others, direction = _view(u, n), _view(p, self.m), _view(v, width)
-                product[:] = super(FunctionInKernels, self).jacobian(states, others)[1] @ direction
+                product[:] = self.lines.first(states, others, direction)
                 matrix[:] = np.asarray(self.gradient(states, others, direction), dtype=float).ravel()
             except BaseException as error:  # noqa: BLE001  (raised again by `_raise`)
                 self._raised = error
