@@ -18,9 +18,9 @@ from typing import Final
 HERE: Final = Path(__file__).parent
 BASE: Final = "contin.kernels."
 COMPILER: Final = (
-    "compile.py", "mode.py", "signature.py", "building/emit.py", "building/functions.py", "building/types.py",
-    "building/pointer_calls.py", "building/lean.py", "building/references.py", "building/vectors.py",
-    "building/lanes.py", "building/targets.py",
+    "compile.py", "mode.py", "signature.py", "building/emit.py", "building/entry.py", "building/functions.py",
+    "building/types.py", "building/pointer_calls.py", "building/lean.py", "building/references.py",
+    "building/vectors.py", "building/lanes.py", "building/targets.py",
 )  # fmt: skip
 _STRUCTURE: Final = re.compile(rb"^structure\(\s*(\w+)", re.M)
 _IMPORT: Final = re.compile(rb"^\s*from contin\.kernels\.([\w.]+) import|^\s*from contin\.kernels import (\w+)", re.M)

@@ -1,10 +1,12 @@
 """Signatures: read as they are written, one for each kernel, and as many types as arguments."""
 
 import inspect
+import re
 from collections import namedtuple
 
 import pytest
 
+from contin.kernels import sources
 from contin.kernels.callees import called_by
 from contin.kernels.catalogue import every
 from contin.kernels.signature import Array, Scalar, Tuple, parse, structure, words
@@ -46,3 +48,17 @@ def test_every_kernel_has_as_many_types_as_arguments():
 def test_what_a_kernel_calls_is_found_through_the_parts_that_are_put_in_place_in_it():
     march = every()["algebraic.march"]
     assert {"algebraic.correct", "dense.lu_solve", "eigen.eigenvalues", "steering.is_dip"} <= set(called_by(march))
+
+
+def test_every_file_that_makes_machine_code_is_part_of_its_key():
+    found, left = set(), ["building/emit.py"]
+    while left:
+        name = left.pop()
+        if name not in found:
+            found.add(name)
+            text = (sources.HERE / name).read_text()
+            named = re.findall(r"^from contin\.kernels\.building import (.+)$", text, re.M)
+            direct = re.findall(r"^from contin\.kernels\.building\.(\w+) import", text, re.M)
+            left += [f"building/{one}.py" for one in (*direct, *", ".join(named).split(", ")) if one]
+    assert len(found) > 5
+    assert found <= set(sources.COMPILER)

@@ -9,26 +9,23 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 import llvmlite.binding as llvm
-from llvmlite import ir
-from numba.core import cgutils, compiler
+from numba.core import compiler
 from numba.core.registry import cpu_target
 
 from contin.kernels.building import references
+from contin.kernels.building.entry import entry
 from contin.kernels.building.functions import REGISTRY, KernelFunction, symbol
 from contin.kernels.building.lean import LeanCompiler
 from contin.kernels.building.targets import BuildTarget
-from contin.kernels.signature import Array, Scalar, Tuple, Type, words
+from contin.kernels.signature import Tuple, Type
 from contin.machine.elementary import FUNCTIONS
 from contin.machine.elementary import symbol as elementary_symbol
 
 if TYPE_CHECKING:
     from llvmlite.binding import TargetMachine
-    from numba.core.base import BaseContext
     from numba.core.codegen import CodeLibrary
-    from numba.core.funcdesc import FunctionDescriptor
 
 FAST: Final = {"contract", "reassoc", "nsz"}
-WORD: Final = ir.IntType(64)
 EXACT: Final = ("sqrt", "fabs", "floor", "ceil")  # instructions, not calls
 
 
@@ -67,8 +64,6 @@ def translate(kernel: KernelFunction, called: bool = True) -> Translated:
         signature.return_type, flags, {}, pipeline_class=LeanCompiler,
     )  # fmt: skip
     library, descriptor = result.library, result.fndesc
-    if called and _can_be_called(kernel):
-        library.add_ir_module(_entry(kernel, library, descriptor))
     module = library._final_module
     for linked in _all(library._linking_libraries):
         if linked.name == "nrt":
@@ -77,15 +72,18 @@ def translate(kernel: KernelFunction, called: bool = True) -> Translated:
             module.link_in(linked._final_module, preserve=True)
     for name in _inlined(module, declaration.name):
         module.link_in(_body(name), preserve=True)
-    public = {descriptor.llvm_func_name, entry_symbol(declaration.name)}
     for function in module.functions:
-        if not function.is_declaration and function.name not in public:
+        if not function.is_declaration and function.name != descriptor.llvm_func_name:
             function.linkage = "internal"
     module.get_function(descriptor.llvm_func_name).name = symbol(declaration.name)
-    return Translated(declaration.name, _ours(str(module)))
+    text = _ours(str(module))
+    if called and _can_be_called(kernel):
+        result = cpu_target.target_context.call_conv.get_return_type(descriptor.restype).pointee
+        text += entry(entry_symbol(declaration.name), symbol(declaration.name), kernel.signature, str(result))
+    return Translated(declaration.name, text)
 
 
-def _inlined(module: ir.Module, own: str) -> list[str]:
+def _inlined(module: Any, own: str) -> list[str]:
     """Kernels whose code is put in place of their calls in the module; what they call so themselves is in it."""
     names = [f.name.removeprefix("contin.") for f in module.functions if f.is_declaration]
     return [name for name in names if name != own and name in REGISTRY and REGISTRY[name].declaration.inlined]
@@ -112,10 +110,6 @@ def emit(translated: Translated, target: BuildTarget) -> Emitted:
     options.loop_vectorization = True
     passes = llvm.create_pass_builder(machine, options)
     passes.getModulePassManager().run(module, passes)
-    for function in module.functions:
-        if function.name == entry_symbol(translated.name):  # a block of 1,000 loads: to schedule them takes seconds
-            for attribute in ("noinline", "optnone"):
-                function.add_function_attribute(attribute)
     needs = tuple(sorted(f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")))
     return Emitted(translated.name, needs, machine.emit_object(module))
 
@@ -168,79 +162,3 @@ def _can_be_called(kernel: KernelFunction) -> bool:
         return all(plain(item) for item in kind.items) if isinstance(kind, Tuple) else kind.code in "iufb"
 
     return all(plain(kind) for kind in kernel.signature.arguments)
-
-
-def _entry(kernel: KernelFunction, library: CodeLibrary, descriptor: FunctionDescriptor) -> ir.Function:
-    """void entry(words): words -> values, the call, status and results -> words."""
-    context = cpu_target.target_context
-    signature = kernel.signature
-    module = context.create_module("entry")
-    callee = ir.Function(
-        module, context.call_conv.get_function_type(descriptor.restype, descriptor.argtypes), descriptor.llvm_func_name
-    )
-    function = ir.Function(
-        module, ir.FunctionType(ir.VoidType(), [WORD.as_pointer()]), entry_symbol(kernel.declaration.name)
-    )
-    builder = ir.IRBuilder(function.append_basic_block("entry"))
-    results = _results(signature.result)
-    at = 1 + max(len(results), 1)
-    arguments = []
-    for kind, numba_kind in zip(signature.arguments, descriptor.argtypes, strict=True):
-        arguments.append(_value(context, builder, function.args[0], at, kind, numba_kind))
-        at += words(kind)
-    status, out = context.call_conv.call_function(builder, callee, descriptor.restype, descriptor.argtypes, arguments)
-    builder.store(builder.sext(status.code, WORD), builder.gep(function.args[0], [WORD(0)]))
-    for index, kind in enumerate(results):
-        item = builder.extract_value(out, index) if isinstance(signature.result, Tuple) else out
-        place = builder.gep(function.args[0], [WORD(1 + index)])
-        if kind.code == "f":
-            builder.store(item, builder.bitcast(place, ir.DoubleType().as_pointer()))
-        elif kind.code == "b":
-            builder.store(builder.zext(item, WORD), place)
-        else:
-            builder.store(item, place)
-    builder.ret_void()
-    return module
-
-
-def _results(kind: Type | None) -> list[Scalar]:
-    if kind is None:
-        return []
-    items = kind.items if isinstance(kind, Tuple) else (kind,)
-    scalars = [item for item in items if isinstance(item, Scalar)]
-    if len(scalars) != len(items):
-        raise TypeError("a kernel returns numbers, one or several")
-    return scalars
-
-
-def _value(
-    context: BaseContext, builder: ir.IRBuilder, all_words: ir.Value, at: int, kind: Type, numba_kind: Any
-) -> ir.Value:
-    """The numba value that starts at a word."""
-
-    def word(index: int) -> ir.Value:
-        return builder.load(builder.gep(all_words, [WORD(index)]))
-
-    if isinstance(kind, Tuple):
-        items = []
-        for item, numba_item in zip(kind.items, numba_kind.types, strict=True):
-            items.append(_value(context, builder, all_words, at, item, numba_item))
-            at += words(item)
-        return context.make_tuple(builder, numba_kind, items)
-    if isinstance(kind, Scalar):
-        if kind.code == "f":
-            return builder.load(builder.bitcast(builder.gep(all_words, [WORD(at)]), ir.DoubleType().as_pointer()))
-        return builder.icmp_signed("!=", word(at), WORD(0)) if kind.code == "b" else word(at)
-    assert isinstance(kind, Array)
-    array = cgutils.create_struct_proxy(numba_kind)(context, builder)
-    shape = [word(at + 1 + k) for k in range(kind.axes)]
-    strides = [word(at + 1 + kind.axes + k) for k in range(kind.axes)]
-    count = shape[0]
-    for length in shape[1:]:
-        count = builder.mul(count, length)
-    size = context.get_abi_sizeof(context.get_data_type(numba_kind.dtype))
-    array.data = builder.inttoptr(word(at), array.data.type)
-    array.shape, array.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
-    array.nitems, array.itemsize = count, WORD(size)
-    array.meminfo, array.parent = (cgutils.get_null_value(v.type) for v in (array.meminfo, array.parent))
-    return array._getvalue()

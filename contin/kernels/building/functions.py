@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from numba import njit, types
@@ -41,11 +42,11 @@ class KernelFunction:
         self._registered = False
         REGISTRY[declaration.name] = self
 
-    @property
+    @cached_property
     def signature(self) -> Signature:
         return parse(self.declaration.signature)
 
-    @property
+    @cached_property
     def numba_signature(self) -> NumbaSignature:
         stated = self.signature
         return typing.signature(numba_type(stated.result), *(numba_type(a) for a in stated.arguments))

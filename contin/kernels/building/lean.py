@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from numba.core import imputils, ir, ssa, types, utils
+from numba.core import ir, ssa, types, utils
 from numba.core.base import BaseContext
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import PassManager
@@ -155,14 +155,15 @@ def _needed(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) 
         self.func_ir.blocks = canonicalize_cfg(self.func_ir.blocks)
 
 
-def _registered() -> tuple[int, ...]:
-    """How much numba could have been told of since it looked last: modules, and entries of its tables."""
-    typed, lowered = templates.builtin_registry, imputils.builtin_registry
-    tables = (
-        typed.functions, typed.attributes, typed.globals, lowered.functions, lowered.getattrs, lowered.setattrs,
-        lowered.casts, lowered.constants,
-    )  # fmt: skip
-    return (len(sys.modules), *map(len, tables))
+def _registered(context: BaseContext) -> tuple[int, ...]:
+    """How much numba could have been told of since it looked last: modules, and entries of all its tables."""
+    typed = templates.builtin_registry
+    lowered = sum(
+        len(table)
+        for one in context._registries
+        for table in (one.functions, one.getattrs, one.setattrs, one.casts, one.constants)
+    )
+    return len(sys.modules), len(typed.functions), len(typed.attributes), len(typed.globals), lowered
 
 
 _refresh = BaseContext.refresh
@@ -170,11 +171,15 @@ _seen: dict[int, tuple[int, ...]] = {}
 
 
 def _refresh_if_new(self: Any) -> None:
-    """In place of numba's: it goes through all its tables whenever a function's first name for an operation is none."""
-    state = _registered()
-    if _seen.get(id(self)) != state:
+    """In place of numba's: it goes through all its tables whenever a function's first name for an operation is none.
+
+    What is known stands in one table, which the contexts of all kernels share; they themselves come and go. What is
+    registered while the tables are gone through is not in it yet: the next question goes through them again.
+    """
+    state = _registered(self)
+    if _seen.get(id(self._defns)) != state:
         _refresh(self)
-        _seen[id(self)] = _registered()
+        _seen[id(self._defns)] = state
 
 
 _sizes: dict[str, int] = {}
