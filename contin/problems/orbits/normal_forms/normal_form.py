@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
+SHEARLESS: Final = 1e-7  # A q - q' over its terms' moduli, of every state: the period does not change across the fold
+UNMOVED: Final = float(np.sqrt(np.finfo(float).eps))
 UNKNOWN: Final = (
     "its normal form could not be computed (the error of its coefficient is as large as its terms: the multiplier is "
     "not simple, or the orbit not resolved)"
@@ -107,6 +108,17 @@ class Variation:
     def raw(self, x: Vector) -> Vector:
         """A scaled vector as values at the nodes, (N m + 1, n)."""
         return (x * self.linear.units[: self.linear.nu]).reshape(-1, self.linear.profile.n)
+
+    def remainder(self, x: Vector) -> float:
+        """Of a scaled vector in the equations of each state, over their terms' moduli: the largest, in any units.
+
+        What rounding leaves in states that are at rest is nothing beside `UNMOVED` of the largest terms.
+        """
+        left, terms = (
+            np.abs(sums).reshape(-1, self.linear.profile.n).sum(axis=0)
+            for sums in (self.matrix @ x, abs(self.matrix) @ np.abs(x))
+        )
+        return float(np.max(left / (terms + UNMOVED * terms.max())))
 
     def _right(self, g: Values) -> Vector:
         """Scaled right-hand side of the collocation equations, (nu,)."""
@@ -198,14 +210,13 @@ class Forms:
         if not self.autonomous:
             return self.normalised(periodic.null[0]), periodic.null[1]
         right, _, left = Bordered.of(periodic.matrix, 2).solve()
-        kernel = np.linalg.qr(right)[0]
-        if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
+        a, b = np.linalg.qr(right)[0].T
+        q = self._mean(periodic.raw(b), linear.field) * a - self._mean(periodic.raw(a), linear.field) * b
+        if periodic.remainder(q) > SHEARLESS:
             return periodic.solve(self.rates, singular=True), None
         along = [periodic.projection(self.rates, w) for w in left.T]  # <p, u0'> = 0 selects p
         p = along[1] * left[:, 0] - along[0] * left[:, 1]
-        a, b = (periodic.raw(column) for column in kernel.T)
-        q = self._mean(b, linear.field) * a - self._mean(a, linear.field) * b
-        return self.normalised(q), p
+        return self.normalised(periodic.raw(q)), p
 
 
 def eigenfunction(linear: OrbitLinear, rho: complex) -> Vector:
