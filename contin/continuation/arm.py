@@ -15,7 +15,7 @@ from contin.continuation.last_step import Again, Behind, Course, resolve
 from contin.continuation.location.isolate import LOST_IN_ROUNDING
 from contin.continuation.location.through_zero import ThroughZero
 from contin.continuation.location.user_value import Target
-from contin.continuation.metric import measured_in, outgrown, travelled
+from contin.continuation.metric import measured_in, outgrown, travelled, unresolved
 from contin.continuation.outcome import Corner, Jump, Verified
 from contin.continuation.problem import Problem, Renewal, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
@@ -29,6 +29,7 @@ BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
 MOST_RETRIES: Final = 8  # quarterings of steps to changes that stay unexplained: tests are rounding there, and ...
 PASSING: Final = -1  # ... the next step, from the last row, passes that place
+NOISE: Final = 10.0  # of the corrector's tolerance: what it leaves in a row
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 
 
@@ -84,6 +85,10 @@ class Arm:
             march = self.march or problem.march
             chunk = march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
             frame = Frame(self.scale, gauge=chunk.gauge)
+            chunk, finer = self._until_unresolved(chunk)
+            if finer is not None and len(chunk) == 1:
+                origin, before, length, step = self._measure_in(finer, origin, None)[0], None, 0.0, settings.first_step
+                continue
             chunk, corner, (segment, self.end) = self._looked_at(chunk, before, event)
             past = None if self.is_over() else self._past_touching(segment)
             if past is not None:
@@ -129,7 +134,7 @@ class Arm:
                 if renewal.point is not None:
                     yield Segment.labelled(renewal.point, origin, self.scale)
             else:
-                origin, before = self._remeasured(chunk, origin, before)
+                origin, before = self._remeasured(chunk, origin, before, finer)
 
     def _renewed(self, renewal: Renewal, frame: Frame) -> tuple[Sample, Sample | None, Frame]:
         """The last samples in the metric of a renewal, and with its gauge, if it has one."""
@@ -147,8 +152,23 @@ class Arm:
             replace(segment, notes=(*segment.notes, *notes), hiding=segment.hiding + len(notes)) if notes else segment
         )
 
-    def _remeasured(self, chunk: Chunk, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
-        """The last samples in another metric, where states have outgrown theirs."""
+    def _until_unresolved(self, chunk: Chunk) -> tuple[Chunk, Array | None]:
+        """A chunk's rows as far as the metric is fine enough for them, and the finer one that is wanted from there."""
+        if not self.problem.is_smooth:  # a shorter step explains no corner
+            return chunk, None
+        settings = self.course.settings
+        found = unresolved(chunk, self.scale, self.problem.angle_periods, NOISE * settings.newton_tolerance)
+        if found is None:
+            return chunk, None
+        row, finer = found
+        return chunk.cut(row + 1, Stop.RESCALE, settings.first_step), finer
+
+    def _remeasured(
+        self, chunk: Chunk, origin: Sample, before: Sample | None, finer: Array | None
+    ) -> tuple[Sample, Sample | None]:
+        """The last samples in another metric: a finer one, or where states have outgrown theirs."""
+        if finer is not None:
+            return self._measure_in(finer, origin, before)
         if chunk.stop is Stop.RESCALE:
             return self._measure_in(outgrown(self.problem, origin.z, self.scale), origin, before)
         if in_two_parameters(self.problem):

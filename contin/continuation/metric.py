@@ -1,7 +1,10 @@
-"""The metric along a branch: the scale of a state grows with it.
+"""The metric along a branch: the scale of a state grows with it, and falls where it is too coarse for the rows.
 
 A state outgrows its scale when it exceeds it, unless it was larger all along: then its scale is the length over which
 the equations bend, and grows only where the branch moves much farther than that in one chunk.
+
+Of a state that has become much smaller than its scale the angles between tangents say nothing: a step may lead over
+two folds. Its own change from row to row does, which the slopes at both rows explain on a curve that is resolved.
 """
 
 from __future__ import annotations
@@ -14,10 +17,13 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Problem, in_two_parameters
-from contin.continuation.sample import Sample
+from contin.continuation.sample import Chunk, Sample
 
 FAR: Final = 10.0  # scales; a state that grows is rescaled long before
 JOURNEY: Final = 20.0  # scales that such a state may move in one chunk
+SMALL: Final = 0.01  # of a scale: states that stay below it are measured by their own size where ...
+STAYS: Final = 0.25  # of the larger of two values, the other: on the way through zero a state's value is not its size
+UNEXPLAINED: Final = 0.2  # ... so much of their change from row to row is not that of the mean tangent
 
 
 def far_from_zero(z: Array, scale: Array, angle_periods: Array) -> NDArray[np.bool_]:
@@ -45,6 +51,28 @@ def outgrown(problem: Problem, z: Array, scale: Array) -> Array:
     larger = np.maximum(scale[:-1], np.sqrt(len(scale) - 1) * np.abs(z[:-1]))
     grown[:-1] = np.where(far | (angles > 0.0), scale[:-1], larger)
     return grown
+
+
+def unresolved(chunk: Chunk, scale: Array, angle_periods: Array, noise: float) -> tuple[int, Array] | None:
+    """The first row of a chunk from which a step does not resolve states far below their scales, and finer scales.
+
+    noise : what the corrector leaves in scaled unknowns; smaller changes tell nothing.
+    """
+    y, n = chunk.z / scale, len(scale) - 1
+    moved, mean = np.diff(y, axis=0), 0.5 * (chunk.tangents[1:] + chunk.tangents[:-1])
+    squares = np.maximum(np.sum(mean * mean, axis=1), np.finfo(float).tiny)
+    explained = (np.sum(moved * mean, axis=1) / squares)[:, None] * mean
+    size, least = (np.sqrt(n) * of(np.abs(y[1:]), np.abs(y[:-1])) for of in (np.maximum, np.minimum))
+    change = np.maximum(np.abs(moved), np.abs(explained))
+    coarse = (size < SMALL) & (y[1:] * y[:-1] > 0.0) & (least > STAYS * size) & (change > noise)
+    coarse &= np.abs(moved - explained) > UNEXPLAINED * change
+    coarse[:, :n] &= angle_periods == 0.0
+    coarse[:, n] = False
+    rows = np.flatnonzero(coarse.any(axis=1))
+    if not rows.size:
+        return None
+    row = int(rows[0])
+    return row, np.where(coarse[row], scale * size[row], scale)
 
 
 def measured_in(sample: Sample, old: Array, new: Array) -> Sample:

@@ -257,6 +257,11 @@ class Problem(ABC):
         return ()
 
     @property
+    def is_smooth(self) -> bool:
+        """True where the equations are known to have no corners."""
+        return False
+
+    @property
     def has_reach(self) -> bool:
         """False where `left_reach` can find nothing, for equations that are exact and never singular."""
         return True

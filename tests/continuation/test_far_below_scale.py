@@ -65,3 +65,44 @@ def test_a_derivative_that_is_rounding_is_no_length(kind):
     for point in branch.points:
         assert point.error < 1e-13
         assert point.normal_form["errors"]["a"] < 1e-7
+
+
+def test_folds_are_found_however_far_the_state_falls_below_its_scale():
+    """p = 6 - L + 0.3 sin(6 L), L = log10(x), turns where cos(6 L) = 5/9: two folds each time x falls by 10^(pi/3).
+
+    From x = 10^6 on steps led over all of them below x = 1,000, with no word at the two near 85 and 181.
+    """
+    model = Model(
+        "decades", states={"x": 1e6}, parameters={"p": 0.0}, equations={"x": "6 + 0.3*sin(6*log10(x)) - log10(x) - p"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model), "p", (0.0, 7.2))
+    angle = np.arccos(5.0 / 9.0)
+    logs = np.sort([(2.0 * np.pi * k + sign * angle) / 6.0 for k in range(-1, 6) for sign in (1.0, -1.0)])[::-1]
+    logs = logs[(logs < 5.5) & (logs > -1.25)]
+    assert [point.type for point in branch.points] == ["LP"] * len(logs)
+    found = [point.values["p"] for point in branch.points]
+    np.testing.assert_allclose(found, 6.0 - logs + 0.3 * np.sin(6.0 * logs), rtol=1e-11)
+    np.testing.assert_allclose([point.values["x"] for point in branch.points], 10.0**logs, rtol=1e-5)
+    assert branch.notes == ()
+    assert branch.steps < 400  # 239
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3, 1e4])
+def test_labels_do_not_depend_on_a_scale_that_is_far_too_large(scale):
+    """Two folds a thousandth of the range apart (calcium model of Atri et al. 1993): at 1e4 both were left out.
+
+    f2 = 0: h(c); f1 = 0: mu(c), which turns at the folds; there is a Hopf point where the trace vanishes.
+    """
+    states = {name: {"value": value, "scale": scale} for name, value in {"c": 0.2, "h": 0.6}.items()}
+    h, release = "(0.49/(0.49 + c^2))", "16.2*(0.111 + 0.889*c/(0.7 + c))"
+    model = contin.load({
+        "contin": 1, "name": "calcium", "states": states, "parameters": {"mu": 0.2},
+        "equations": {"c": f"mu*h*{release} - 2*c/(0.1 + c) + 0.02", "h": f"({h} - h)/2"},
+    })  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model), "mu", (0.01, 0.8))
+    assert [point.type for point in branch.points] == ["HB", "LP", "LP", "HB"]
+    c = np.linspace(0.02, 3.0, 2_000_001)
+    open_part = 0.49 / (0.49 + c**2) * 16.2 * (0.111 + 0.889 * c / (0.7 + c))
+    mu = (2.0 * c / (0.1 + c) - 0.02) / open_part
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(mu)))) + 1
+    np.testing.assert_allclose([branch["LP1"].values["mu"], branch["LP2"].values["mu"]], mu[turns], rtol=1e-9)

@@ -232,6 +232,10 @@ class EquilibriumProblem(AlgebraicEquations):
         system = self.system.base if isinstance(self.system, IteratedSystem) else self.system
         return bool(system.jacobian_address == NO_FUNCTION)
 
+    @property
+    def is_smooth(self) -> bool:
+        return not (self._opaque or self.system.n_switches)
+
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return self._described(self._turning(special_points.verify(self, type_, near, frame), near, frame), frame)
 

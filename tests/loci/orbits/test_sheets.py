@@ -30,3 +30,21 @@ def test_folds_lead_from_one_generalised_hopf_point_over_their_cusp_to_the_other
     np.testing.assert_allclose(last, [second.values[name] for name in NAMES], rtol=1e-3)
     chords = np.hypot(np.diff(folds.columns["mu"]) / 2.0, np.diff(folds.columns["tau"]) / 20.0)
     assert chords.max() <= 0.05 / np.cos(np.radians(15.0))  # the longest step, and how far a chord may turn from it
+
+
+def test_the_coefficient_of_a_cusp_does_not_depend_on_the_metric():
+    """It was -.0021 +- .0001 for -.1161 in scales of 1,000: beside large entries the shear passed for none."""
+    forms = [_cusp(scale) for scale in (1e-1, 1.0, 1e3)]
+    for a in forms:
+        assert a["errors"]["c"] < 0.02 * abs(a["c"])
+        for b in forms:
+            assert abs(a["c"] - b["c"]) <= a["errors"]["c"] + b["errors"]["c"]
+
+
+def _cusp(scale: float) -> dict:
+    model = CALCIUM | {"states": {n: {**given, "scale": scale} for n, given in CALCIUM["states"].items()}}
+    line = contin.continuation(contin.equilibrium(contin.load(model)), "mu", (0.01, 0.8))
+    hopf = contin.continuation(line["HB1"].locus(NAMES), NAMES, BOX, settings={"stop_at": ("GH",)})
+    (bautin,) = [p for p in hopf.points if p.type == "GH"][:1]
+    folds = contin.continuation(bautin.locus(NAMES), NAMES, BOX, settings={"stop_at": ("CPC",)})
+    return dict(folds["CPC1"].normal_form)
