@@ -81,14 +81,8 @@ class Arm:
             if limit <= 0:
                 self.end = End("steps", f"all {settings.steps} steps used at {self.course.position(origin.z)}")
                 return
-            frame = Frame(self.scale, gauge=frame.gauge)
-            march = self.march or problem.march
-            chunk = march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
+            chunk, origin, before, finer = self._marched(origin, before, length, frame, step, limit)
             frame = Frame(self.scale, gauge=chunk.gauge)
-            chunk, finer = self._until_unresolved(chunk)
-            if finer is not None and len(chunk) == 1:
-                origin, before, length, step = self._measure_in(finer, origin, None)[0], None, 0.0, settings.first_step
-                continue
             chunk, corner, (segment, self.end) = self._looked_at(chunk, before, event)
             past = None if self.is_over() else self._past_touching(segment)
             if past is not None:
@@ -151,6 +145,23 @@ class Arm:
         return (
             replace(segment, notes=(*segment.notes, *notes), hiding=segment.hiding + len(notes)) if notes else segment
         )
+
+    def _marched(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int
+    ) -> tuple[Chunk, Sample, Sample | None, Array | None]:
+        """The next chunk, its origin and the row before in its metric, and the finer metric that is wanted after it.
+
+        Where its first step wants a finer one, that is taken at once.
+        """
+        settings, march = self.course.settings, self.march or self.problem.march
+        while True:
+            frame = Frame(self.scale, gauge=frame.gauge)
+            chunk, finer = self._until_unresolved(
+                march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
+            )
+            if finer is None or len(chunk) > 1:
+                return chunk, origin, before, finer
+            origin, before, length, step = self._measure_in(finer, origin, None)[0], None, 0.0, settings.first_step
 
     def _until_unresolved(self, chunk: Chunk) -> tuple[Chunk, Array | None]:
         """A chunk's rows as far as the metric is fine enough for them, and the finer one that is wanted from there."""
