@@ -169,7 +169,7 @@ def _unseen(jet: Jet, q: Real, b11: float, parameter_error: float) -> float:
     if jet.scale is None:
         return 0.0
     with np.errstate(divide="ignore"):
-        length = float(np.min(jet.scale / np.abs(q)))
+        length = 1.0 / float(np.max(np.abs(q) / jet.scale))
     return 6.0 * abs(b11) * parameter_error / (length * length)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome
+from contin.continuation.position import position
 from contin.continuation.sample import STOPS, Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
@@ -263,7 +264,21 @@ class LocusProblem(CurveOfPoints):
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What holds all along the curve, and which tests failed on it."""
-        return [*self._properties(z), *uncomputed_tests.remarks(self)]
+        return [*self._properties(z), *self._kernels_of_two(z), *uncomputed_tests.remarks(self)]
+
+    def _kernels_of_two(self, z: Array) -> Sequence[str]:
+        """Of algebraic equations, where no count of eigenvalues tells of them."""
+        if self.has_stability:
+            return []
+        d = self.curve.sizes
+        rows = timeless.where_two_vanish(np.array([self.curve.matrix(row) * d / d[:, None] for row in z]))
+        if not rows:
+            return []
+        more = f" and at {len(rows) - 1} more places" if len(rows) > 1 else ""
+        return [
+            f"the kernel of F_u has two dimensions near {position(self, z[rows[0]])}{more}: other curves of "
+            f"{self.locus} or of branch points pass there; no label tells of it"
+        ]
 
     def _properties(self, z: Array) -> Sequence[str]:
         if self.locus == "BP" and self._is_unfolded(z):

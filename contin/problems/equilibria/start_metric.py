@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
 
 FARTHER: Final = 10.0  # what a metric may allow for states that grow
+ROUNDED: Final = 1e-8  # of the branch's metric: a length that is smaller at a special point may be its rounding error
 
 
 def scales_at(problem: AlgebraicEquations, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
@@ -35,14 +36,15 @@ def near_point(problem: AlgebraicEquations, z: Array, scale: Array) -> Array:
     """Sizes (n,) for a curve that begins at a point z of a branch whose metric is `scale` (n + 1,).
 
     The branch may have come from far away: a gas of large volume, whose liquid bends over a thousandth of it. A size is
-    no more than `FARTHER` times the state and the length over which the equations bend here, where these are known.
+    no more than `FARTHER` times the state and the length over which the equations bend here, where these are known: they
+    are not where the state and, at a branch point, its F_u are zero to rounding.
     """
     sizes = np.asarray(scale[:-1])
     if problem.n > BENDS_UP_TO or not np.any(z[:-1] != 0.0):
         return sizes
     lengths = bending_lengths(z[:-1], problem.linearise(z)[1], _second_derivatives(problem, z), float(scale[-1]))
-    known = np.isfinite(lengths) & (lengths > 0.0)
     here = FARTHER * np.maximum(np.abs(z[:-1]), lengths)
+    known = np.isfinite(lengths) & (lengths > 0.0) & (here > ROUNDED * sizes)
     return np.where(known, np.minimum(sizes, here), sizes)
 
 
