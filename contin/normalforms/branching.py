@@ -168,8 +168,7 @@ def _unseen(jet: Jet, q: Real, b11: float, parameter_error: float) -> float:
     """b30 of a branch that, out to a state's typical size, moves the parameter by no more than its error."""
     if jet.scale is None:
         return 0.0
-    with np.errstate(divide="ignore"):
-        length = 1.0 / float(np.max(np.abs(q) / jet.scale))
+    length = 1.0 / float(np.max(np.abs(q) / jet.scale))
     return 6.0 * abs(b11) * parameter_error / (length * length)
 
 

@@ -36,8 +36,8 @@ def near_point(problem: AlgebraicEquations, z: Array, scale: Array) -> Array:
     """Sizes (n,) for a curve that begins at a point z of a branch whose metric is `scale` (n + 1,).
 
     The branch may have come from far away: a gas of large volume, whose liquid bends over a thousandth of it. A size is
-    no more than `FARTHER` times the state and the length over which the equations bend here, where these are known: they
-    are not where the state and, at a branch point, its F_u are zero to rounding.
+    no more than `FARTHER` times the state and the length over which the equations bend here, where these are known;
+    they are not where the state and, at a branch point, its F_u are zero to rounding.
     """
     sizes = np.asarray(scale[:-1])
     if problem.n > BENDS_UP_TO or not np.any(z[:-1] != 0.0):
