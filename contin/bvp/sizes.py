@@ -95,7 +95,8 @@ def moved(seen: Array, motion: Array, coupling: Array) -> Array:
     """Sizes (n,): those that are seen, else how far the parameter moves a function, if one that is known notices it.
 
     Where nothing but rounding moves a whole cluster of functions, its members notice one another. A motion that is less
-    than rounding of the noticed size is one all the same: the coupling is rounding.
+    than rounding of the noticed size is one all the same: the coupling is rounding. What no equation notices (an
+    integral in a condition) and rounding alone moves has the size of its own equation's terms.
     """
     known = seen.copy()
     for _ in range(len(seen)):
@@ -105,6 +106,8 @@ def moved(seen: Array, motion: Array, coupling: Array) -> Array:
             break
         left = (motion <= FAINT * natural) & ((motion == 0.0) | (motion > ROUNDING * natural))
         known[new] = np.where(left, natural, motion)[new]
+    made = coupling @ known
+    known = np.where((known == 0.0) & (motion <= UNNOTICED * made), made, known)
     return np.where(known > 0.0, known, motion)
 
 

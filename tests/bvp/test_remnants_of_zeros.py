@@ -54,3 +54,19 @@ def test_small_functions_in_units_of_their_own_keep_their_sizes(size):
     assert abs(fold.values["lam"] - 3.513830719125162) <= fold.error < 1e-7
 
     assert fold.values["u.max"] / size == pytest.approx(1.1868421, abs=1e-6)
+
+
+@pytest.mark.parametrize(("mean", "units"), [(0.3, 1.0), (-0.2, 1e6)])
+def test_an_exact_start_whose_integral_in_a_condition_is_rounding_is_a_solution(mean, units):
+    # Cahn and Hilliard's u'' = lam (u^3 - u - mu), mean m held: rests change at lam = (n pi)^2/(1 - 3 m^2)
+    model = contin.load({
+        "name": "rest", "kind": "bvp", "time": {"name": "t", "from": 0, "to": 1}, "states": {"u": mean * units, "v": 0},
+        "parameters": {"lam": 5, "m": mean, "mu": mean**3 - mean, "U": units},
+        "equations": {"u": "v", "v": "lam*U*((u/U)^3 - u/U - mu)"},
+        "conditions": ["v(start) = 0", "v(end) = 0", "integral(u) = m*U"],
+    })  # fmt: skip
+    line = contin.continuation(contin.boundary_problem(model, free=["mu"]), "lam", (5, 60))
+    exact = [np.square(n * np.pi) / (1 - 3 * mean**2) for n in (1, 2)]
+    found = [p.values["lam"] for p in line.points if p.type == "BP"]
+    np.testing.assert_allclose(found, exact, rtol=1e-7)
+    assert all(abs(p.values["lam"] - e) <= p.error for p, e in zip(line.points, exact, strict=True))
