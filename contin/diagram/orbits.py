@@ -152,15 +152,19 @@ def _same(a: Profile, b: Profile, sizes: Array) -> bool:
     """One period and, as sets, one orbit; sizes (n,) of the states, in which distances are measured."""
     if abs(a.period - b.period) > SAME_PERIOD * b.period:
         return False
-    u, v = _points(a) / sizes, _points(b) / sizes
+    u, v = _points(a, sizes), _points(b, sizes)
     size = max(float(np.ptp(u, axis=0).max()), float(np.ptp(v, axis=0).max()), SHRUNK)
     apart = np.linalg.norm(u[:, None, :] - v[None, :, :], axis=2)
     grain = 2.0 * float(np.linalg.norm(np.diff(v, axis=0), axis=1).max())
     return bool(max(apart.min(axis=0).max(), apart.min(axis=1).max()) <= grain + SAME_ORBIT * size)
 
 
-def _points(profile: Profile) -> Array:
-    return np.asarray(profile.at(np.linspace(0.0, 1.0, SAMPLES)))
+def _points(profile: Profile, sizes: Array) -> Array:
+    """Points of the orbit, in its sizes, at even distances: at even times a pulse may lie between two."""
+    u = profile.u / sizes
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(u, axis=0), axis=1))])
+    times = np.interp(np.linspace(0.0, along[-1], SAMPLES), along, profile.times)
+    return np.asarray(profile.at(times) / sizes)
 
 
 def mirrored_families(branch: Branch, branches: Iterable[Branch]) -> list[Branch]:

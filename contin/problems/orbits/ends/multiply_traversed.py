@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
 PARTS: Final = (2, 3)  # half and a third of the period
-SAMPLES: Final = 60  # times in a period at which orbits are compared
+SAMPLES: Final = 60  # times in a period at which orbits are compared first; then at those of the mesh, too
 FIRST: Final = slice(SAMPLES // 3, SAMPLES // 3 + 2)  # of these: most orbits need no more to be told from their parts
 EQUAL: Final = 1e-4  # of the extent: parts that differ by less may be the same
 STANDING: Final = 1e-2  # ... if in a step their difference changes by less than this part of its (scaled) length
@@ -30,9 +30,9 @@ SHORTER: Final = 0.1  # the repeated step beside the one that slipped
 SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
 
 
-def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
-    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
-    later, now = np.split(profile.at(_times(parts).ravel()), 2)
+def parts_apart(profile: Profile, winding: Array, times: Array, parts: int) -> Array:
+    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (k, n), at times (2, k)."""
+    later, now = np.split(profile.at(times.ravel()), 2)
     return np.asarray((later - now - winding / parts) / _extent(profile.u, winding))
 
 
@@ -48,6 +48,13 @@ def _times(parts: int) -> Array:
     """Times to compare, later and earlier ones, (2, `SAMPLES`)."""
     earlier = np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
     return np.stack([earlier + 1.0 / parts, earlier])
+
+
+def _times_on(mesh: Array, parts: int) -> Array:
+    """`_times`, and those at which one or the other is a point of the mesh: a pulse is short beside a long period."""
+    shift = 1.0 / parts
+    earlier = np.concatenate([mesh[mesh <= 1.0 - shift], np.maximum(mesh[mesh >= shift] - shift, 0.0)])
+    return np.concatenate([_times(parts), np.stack([np.minimum(earlier + shift, 1.0), earlier])], axis=1)
 
 
 @cache
@@ -91,10 +98,11 @@ def times_traversed(problem: OrbitEquations, z: Array, before: Array, step: floa
     for parts in near:
         if parts not in possible:
             continue
-        here = parts_apart(orbit, winding, parts)
+        times = _times_on(orbit.mesh, parts)
+        here = parts_apart(orbit, winding, times, parts)
         if not np.abs(here).max() < EQUAL:
             continue
-        change = here - parts_apart(problem.profile(before), winding, parts)
+        change = here - parts_apart(problem.profile(before), winding, times, parts)
         if np.abs(change).max() < STANDING * step:
             return parts
     return 1
