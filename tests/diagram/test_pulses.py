@@ -38,4 +38,4 @@ def test_one_pulse_is_no_orbit_run_through_twice(width):
     for centres, twice in (([0.5017], False), ([0.2517, 0.7517], True)):
         orbit = pulses(centres, width)
         apart = np.abs(parts_apart(orbit, STILL, _times_on(orbit.mesh, 2), 2)).max()
-        assert apart < 1e-9 if twice else apart > 0.5
+        assert apart < 1e-6 if twice else apart > 0.5
