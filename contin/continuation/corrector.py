@@ -21,6 +21,8 @@ from contin.machine import elementary
 NEWTON_LIMIT = 7
 CLOSE = 1e-4  # a matrix serves for points this near
 FAR = 0.05  # a first correction beyond this is found with a new matrix
+UNSEEN = 10.0  # ratio by which a correction may be larger than its residual and the last ones' growth say
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,10 @@ class Correcting(Protocol):
     def correction(self, right: Array, tolerance: float) -> Array:
         """See `Linearisation.solve`; the last correction is to be shorter than the tolerance."""
 
+    @property
+    def dear(self) -> bool:
+        """Whether a solve takes much longer than a residual."""
+
 
 @cache
 def offers(kind: type, name: str) -> bool:
@@ -138,7 +144,7 @@ def correct(
     With `again`, matrices serve twice: that of the last step (`before`) for the first iteration, and the first new one
     for what is left to correct after it, as far as `decisions` say. The result's own matrix is from nearby.
     """
-    size_before, first, off = np.inf, 0.0, 0.0
+    size_before, first, off, gain = np.inf, 0.0, 0.0, 0.0  # gain: of corrections over their residuals
     far = min(FAR, decisions.old * abs(length)) if length else FAR
     slow = False  # at the last rate, chords would be too many
     once_more = True  # where the last matrix may be another one than that of the point
@@ -146,10 +152,8 @@ def correct(
     limit = NEWTON_LIMIT if decisions.patience == np.inf else NEWTON_LIMIT + int(decisions.patience)
     for iteration in range(1, limit + 1):
         z = z0 + scale * y
-        now = None
         serves = size_before < decisions.close and not slow if fresh else iteration == 1
-        if again is not None and here is not None and serves:
-            now = again(here, z)
+        now = again(here, z) if again is not None and here is not None and serves else None
         chord = now is not None
         if now is None:
             now, fresh = problem.linearisation(z, tangent, scale), True
@@ -157,8 +161,11 @@ def correct(
             return Failure.NOT_FINITE
         if now.sign == 0:
             return Failure.SINGULAR
-        step = _correction(now, np.append(-now.residual, length - dot(tangent, y)), tolerance)
-        size = norm(step)
+        right = np.append(-now.residual, length - dot(tangent, y))
+        if chord and fresh and here is not None and UNSEEN * gain * norm(right) <= tolerance and _is_dear(now):
+            return Corrected(z, y, here, first, iteration - 1 - int(before is not None), off)
+        size = norm(step := _correction(now, right, tolerance))
+        gain = max(gain, size / max(norm(right), TINY))
         if not fresh and not size < far:  # too far for the old matrix
             here = None
             continue
@@ -180,12 +187,11 @@ def correct(
             done = True
         once_more = once_more and size > tolerance
         if done:
-            made = here if fresh else None
-            last = problem.linearisation(z0 + scale * y, tangent, scale) if made is None else made
-            if last is None:
-                return Failure.NOT_FINITE
-            iterations = iteration - int(before is not None)
-            return Corrected(z0 + scale * y, y, last, first, iterations, 0.0 if made is None else off)
+            z, iterations = z0 + scale * y, iteration - int(before is not None)
+            if fresh and here is not None:
+                return Corrected(z, y, here, first, iterations, off)
+            last = problem.linearisation(z, tangent, scale)
+            return Failure.NOT_FINITE if last is None else Corrected(z, y, last, first, iterations)
         size_before, compare = size, fresh
     return Failure.NO_CONVERGENCE
 
@@ -194,6 +200,11 @@ def _correction(here: Linearisation, right: Array, tolerance: float) -> Array:
     if offers(type(here), "correction"):
         return cast(Correcting, here).correction(right, tolerance)
     return here.solve(right)
+
+
+def _is_dear(here: Linearisation) -> bool:
+    """Whether a correction that its residual says to be below the tolerance is not worth its solve."""
+    return offers(type(here), "dear") and cast(Correcting, here).dear
 
 
 def _too_slow(size: float, ratio: float, tolerance: float, patience: float) -> bool:

@@ -217,6 +217,11 @@ def _step(
             found = replace(found, last=there, off=0.0)
         sample = measure(problem, found, reference)
         cosine = dot(last.tangent, sample.tangent)
+        if not np.isfinite(cosine):  # what a tangent is solved with fails there, where the residual does not
+            if h <= settings.min_step:
+                return _Refused(Stop.NOT_FINITE, h, evaluations)
+            h = max(0.5 * h, settings.min_step)
+            continue
         verdict = steering.judged(
             sample.tests, last.tests[None], 0, (old or last).tests, decisions.guarded, decisions.signed, cosine,
             cos_max, h, settings.min_step, h_previous if curved else 0.0, blocks < 8,

@@ -12,9 +12,9 @@ from typing import Final
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.linalg.copies import EPSILON, rounding_of, with_copies
-from contin.linalg.eigen import Inverse, Spectrum, leading
+from contin.linalg.eigen import Inverse, Spectrum, followed, leading
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange, inverse_of
 
@@ -46,6 +46,28 @@ class Nearest:
         return replace(found, values=values[order], vectors=found.vectors[:, order])
 
 
+@dataclass(frozen=True, eq=False)
+class OneApplication:
+    """An approximate inverse as if it were exact."""
+
+    linear: KrylovLinear
+
+    def solve(self, right: Vector, tolerance: float = 0.0) -> Vector:
+        return self.linear.precondition(right)
+
+    def weigh(self, x: Vector) -> Vector:
+        return x
+
+    def magnitude(self, x: Vector) -> Vector:
+        return self.linear.magnitude(x)
+
+    def columns(self, right: Array) -> Array:
+        """Of columns (n, k)."""
+        if self.linear.precise is not None:
+            return self.linear.precise.solve(right)
+        return np.column_stack([self.linear.precondition(r) for r in right.T])
+
+
 def beside_zero(linear: Linear, start: Array, radius: float, known: float, fewest: int) -> Nearest:
     """As `leading`; where an eigenvalue is zero to rounding, and A has factors, with a shift and factors for it."""
     n = len(start)
@@ -53,12 +75,34 @@ def beside_zero(linear: Linear, start: Array, radius: float, known: float, fewes
     found = leading(inverse, n, start, radius, known, fewest)
     if not found.values.size or not _has_factors(linear):
         return Nearest(inverse, found, 0.0)
-    shift = rounding_of(inverse, n) * EPSILON ** (SHIFT - 1.0)
+    shift = _least_shift(inverse, n)
     if float(np.abs(found.values).min()) > TELLS * shift:
         return Nearest(inverse, found, 0.0)
     inverse = inverse_of(linear.shifted(shift))
     found = leading(inverse, n, start, radius + shift, known + shift, fewest)
     return Nearest(inverse, found, shift)
+
+
+def by_approximation(
+    linear: KrylovLinear, rate: float, start: Array, radius: float, known: float, fewest: int
+) -> Nearest | None:
+    """As `beside_zero` from solves that take one application of the approximate inverse each, corrected afterwards.
+
+    The Krylov space of an approximate inverse holds about the same vectors; Davidson's method makes them those of A.
+    rate : what part of an error one application leaves.  None where an eigenvalue is so small that it drowns others.
+    """
+    n, applied = len(start), OneApplication(linear)
+    found = leading(applied, n, start, radius, known, fewest)
+    if not found.values.size:
+        return None
+    better, _ = followed(linear, applied.columns, rate, found.vectors, rightmost=False)
+    if float(np.abs(better.values).min(initial=np.inf)) <= TELLS * _least_shift(linear, n):
+        return None
+    return Nearest(linear, replace(better, certain=found.certain), 0.0)
+
+
+def _least_shift(inverse: Inverse, n: int) -> float:
+    return rounding_of(inverse, n) * EPSILON ** (SHIFT - 1.0)
 
 
 def _has_factors(linear: Linear) -> bool:

@@ -45,6 +45,10 @@ class Bordered:
         transposed = self.inner.solve_transposed
         return self._mixed(right, transposed, self.c, self.b, self.w, self.v, self.pivot_transposed, self.pivot)
 
+    def last_row(self) -> Vector:
+        """That of the inverse."""
+        return self.solve_transposed(np.append(np.zeros(len(self.b)), 1.0))
+
     def _mixed(
         self, right: Vector, solve: Callable[[Vector], Vector], b: Vector, c: Vector, v: Vector, w: Vector,
         pivot: complex, other: complex,
@@ -93,11 +97,18 @@ class Approximate:
 
 
 class ApproximateBordered:
-    """Block elimination with an approximate A^-1 and without transposes: a preconditioner of the bordered matrix."""
+    """Block elimination with an approximate A^-1 and without transposes: a preconditioner of the bordered matrix.
 
-    def __init__(self, inner: Approximate, columns: Vector, rows: Vector, corner: Vector) -> None:
+    solved : what A^-1 makes of the columns, or of others that are nearly the same; None: not known yet.
+    """
+
+    def __init__(
+        self, inner: Approximate, columns: Vector, rows: Vector, corner: Vector, solved: Vector | None = None
+    ) -> None:
         self.inner, self.rows = inner, rows
-        self.columns = np.column_stack([inner.solve(columns[:, j]) for j in range(columns.shape[1])])
+        if solved is None:
+            solved = np.column_stack([inner.solve(columns[:, j]) for j in range(columns.shape[1])])
+        self.columns = solved
         schur = corner - np.array([products(rows, c) for c in self.columns.T]).T
         self.schur = _inverse(schur) if np.all(np.isfinite(schur)) else np.eye(len(schur))
 

@@ -162,9 +162,11 @@ def leading(
 
 def followed(
     linear: Linear, precondition: Callable[[Array], Array], rate: float, vectors: NDArray[np.complex128],
-    gain: float = np.inf,
+    gain: float = np.inf, rightmost: bool = True,
 ) -> tuple[Spectrum, float]:
     """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
+
+    Or, if not `rightmost`, those whose vectors lie in the given ones' space as much as may be.
 
     vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j).  rate : what part of an error it leaves,
     so that an error is up to 1/(1 - rate) times its correction.  gain : how much larger corrections were than their
@@ -172,12 +174,15 @@ def followed(
     and of the approximate inverse, of the latter none where `gain` says that nothing is left to correct.
     """
     wanted = vectors.shape[1]
-    basis = orthonormal(np.vstack([vectors.real.T, vectors.imag.T]))
+    real = not vectors.imag.any()
+    basis = orthonormal(vectors.real.T if real else np.vstack([vectors.real.T, vectors.imag.T]))
+    given = len(basis)
     images = np.array([linear.apply(v) for v in basis])
     settled, longer = False, 1.0 / (1.0 - rate)
     for _ in range(math.ceil(STEPS_OF_DAVIDSON / abs(elementary.log(rate))) + 1):
         values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
-        order = np.argsort(-values.real)[:wanted]
+        part = -values.real if rightmost else -np.linalg.norm(ritz[:given], axis=0)
+        order = np.argsort(part, kind="stable")[:wanted]
         values, ritz = values[order], ritz[:, order].T
         if settled:  # what the last correction has left is small
             break

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
+SAME = 1e-2  # change of a column, as a part of it, up to which an approximate solution of it serves again
 TELLING = 3  # iterations from which they tell a rate
 ROUNDED = 1e-15  # relative residual below which rounding does not let it fall
 EPSILON = float(np.finfo(float).eps)
@@ -35,6 +36,9 @@ class Solution(Protocol):
     pivot: Any
 
     def solve(self, right: Vector) -> Vector: ...
+
+    def last_row(self) -> Vector | None:
+        """That of the inverse: what the last unknown is, as a functional of the right-hand side; None without A^T."""
 
 
 class Linear(Protocol):
@@ -75,6 +79,11 @@ class Linear(Protocol):
 def fastest_rate(linear: Linear, sizes: NDArray[np.float64]) -> float:
     """The largest row sum of |A| in units of sizes (n,): no motion of A is faster, in any units of the states."""
     return float(np.max(linear.magnitude(sizes) / sizes))
+
+
+def is_symmetric(matrix: csc_matrix) -> bool:
+    """To rounding."""
+    return bool(abs(matrix - matrix.T).max() <= SEVERAL * EPSILON * abs(matrix).max())
 
 
 def moving(linear: Linear) -> NDArray[np.bool_] | slice:
@@ -156,6 +165,7 @@ class KrylovLinear:
         self.near = near or fresh
         # Borders and bordered factors by the number of borders, shared with later points.
         self.borders: dict[int, tuple[Vector, object]] = {}
+        self.solved: dict[int, tuple[Vector, Vector]] = {}  # columns of borders, and what `approximate` made of them
         self.iterations = 0  # of the worst solve so far: when it grows, the preconditioner is out of date
         self.used = 0  # of all solves
         self.rate = 0.0  # by which an iteration reduces the residual in the worst solve that began at zero
@@ -228,12 +238,23 @@ class KrylovBordered:
         """Block elimination with old factors (old borders of this shape included), or an approximate one."""
         linear, k = self.linear, self.columns.shape[1]
         if linear.precise is None or self.complex_:
-            return ApproximateBordered(Approximate(linear.precondition), self.columns, self.rows, self.corner)
+            return self._approximate()
         key = np.concatenate([self.columns, self.rows, self.corner])
         known = linear.borders.get(k)
         if linear.exact or known is None or not _alike(known[0], key, len(self.columns)):
             known = linear.borders[k] = key, bordered(linear.precise, self.columns, self.rows, self.corner)
         return known[1]
+
+    def _approximate(self) -> ApproximateBordered:
+        """With what the approximate inverse made of the last columns, where these are nearly the same."""
+        known, k = self.linear.solved, self.columns.shape[1]
+        old = known.get(k)
+        solved = old[1] if old is not None and not self.complex_ and _nearly(old[0], self.columns) else None
+        inner = Approximate(self.linear.precondition)
+        made = ApproximateBordered(inner, self.columns, self.rows, self.corner, solved)
+        if solved is None and not self.complex_:
+            known[k] = self.columns, made.columns
+        return made
 
     def _apply(self, x: Vector) -> Vector:
         n = len(self.columns)
@@ -249,6 +270,36 @@ class KrylovBordered:
             return np.asarray(self.preconditioner.solve(right))
         found = gmres(self._apply, self.preconditioner.solve, right, self.tolerance, guess, accuracy)
         return self.linear._finish(found, self.tolerance, guess is not None)
+
+    def last_row(self) -> Vector | None:
+        """See `Solution`: one solve with the transpose, by factors, or by a preconditioner where A is symmetric."""
+        linear, n = self.linear, len(self.columns)
+        if self.complex_ or linear.matrix is None:
+            return None
+        if linear.precise is not None:
+            precondition = self.preconditioner.solve_transposed
+        elif is_symmetric(linear.matrix):
+            turned = ApproximateBordered(Approximate(linear.precondition), self.rows, self.columns, self.corner.T)
+            precondition = turned.solve
+        else:
+            return None
+        last = np.append(np.zeros(n + len(self.corner) - 1), 1.0)
+        if linear.exact:
+            return np.asarray(precondition(last))
+        transposed = linear.matrix.T
+
+        def apply(x: Vector) -> Vector:
+            state, rest = x[:n], x[n:]
+            lower = products(self.columns, state) + self.corner.T @ rest
+            return np.concatenate([transposed @ state + combined(self.rows, rest), lower])
+
+        return linear._finish(gmres(apply, precondition, last, self.tolerance), self.tolerance)
+
+
+def _nearly(old: Vector, new: Vector) -> bool:
+    """True where no column has changed by more than `SAME` of itself."""
+    moved = new - old
+    return bool(np.all(np.einsum("ij,ij->j", moved, moved) <= SAME * SAME * np.einsum("ij,ij->j", new, new)))
 
 
 def _alike(old: Vector, new: Vector, n: int) -> bool:

@@ -49,6 +49,16 @@ def projector(linear: Linear, q: Vector, coarse: bool = False) -> Callable[[Vect
     return project
 
 
+def functional(linear: Linear, q: Vector, coarse: bool = False) -> Callable[[Vector], Any]:
+    """r -> <p, r> as of `projector`: one solve with the transpose where there is one, else a solve for each r."""
+    solver = linear.bordered(linear.weigh(q)[:, None], np.conj(q)[:, None], np.zeros((1, 1)), coarse)
+    row = solver.last_row()
+    if row is None:
+        return lambda r: solver.solve(np.append(r, 0.0))[-1]
+    left = row[:-1]
+    return lambda r: np.einsum("i,i->", left, r)
+
+
 def unit(linear: Linear, q: Vector) -> Vector:
     """q with |q| = 1 over the states with mass, and the largest of these components positive."""
     counted = normalise(q[moving(linear)])
@@ -75,24 +85,22 @@ def rounding(linear: Linear, value: complex, q: Vector) -> float:
     E has entries of a unit in the last place of A's, or, where A is not known by entries, of its size.
     """
     q = unit(linear, q)
-    project = projector(linear.shifted(value), q, coarse=True)
+    left = functional(linear.shifted(value), q, coarse=True)
     noise = rounding_errors(linear.magnitude(np.abs(q)), q, np.random.default_rng(4))
-    return max(abs(complex(project(row.astype(complex))[1]).real) for row in noise)
+    return max(abs(complex(left(row.astype(complex))).real) for row in noise)
 
 
-def rounding_of_fold(problem: SparseEquations, z: Array, q: Vector) -> float:
+def rounding_of_fold(problem: SparseEquations, z: Array, along: Callable[[Vector], Any]) -> float:
     """How much the parameter of a fold moves when F is rounded: |<p, e>| / |<p, F_p>|.
 
     e has random entries of half a unit in the last place of the largest terms of F, which for a discretised derivative
-    are n^2 times larger than F's own.
+    are n^2 times larger than F's own.  along : `functional` there.
     """
     generator = np.random.default_rng(6)
-    linear = linear_at(problem, z)
-    project = projector(linear, unit(linear, q), coarse=True)
-    size = linear.magnitude(np.abs(z[:-1]))
-    slope = abs(complex(project(problem.parameter_slope(z))[1]))
+    size = linear_at(problem, z).magnitude(np.abs(z[:-1]))
+    slope = abs(complex(along(problem.parameter_slope(z))))
     noise = 0.5 * np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, problem.n))
-    moved = max(abs(complex(project(size * row)[1])) for row in noise)
+    moved = max(abs(complex(along(size * row))) for row in noise)
     return moved / slope if slope > 0.0 else np.inf
 
 
@@ -108,12 +116,11 @@ def rounding_of_branch_point(problem: SparseEquations, z: Array, q: Vector, form
     generator = np.random.default_rng(8)
     linear, slope = linear_at(problem, z), problem.parameter_slope(z)
     q = unit(linear, q)
-    project = projector(linear, q, coarse=True)
-    h = -np.real(project(slope)[0])
+    h, left = -np.real(projector(linear, q, coarse=True)(slope)[0]), functional(linear, q, coarse=True)
     worst = 0.0
     for along, other, weight in ((q, 0.0, b11), (h, np.abs(slope), b20)):
         size = linear.magnitude(np.abs(along)) + other
-        worst += weight * max(abs(complex(project(row)[1])) for row in rounding_errors(size, along, generator))
+        worst += weight * max(abs(complex(left(row))) for row in rounding_errors(size, along, generator))
     return worst / discriminant
 
 
@@ -160,13 +167,10 @@ def with_errors(problem: LargeEquations, z: Array, compute: Coefficients) -> tup
     return found, {key: SPREAD * max(abs(other[key] - value) for other in others) for key, value in found.items()}
 
 
-def fold(problem: LargeEquations, z: Array, q: Vector) -> Fields:
-    """`a` = <p, B(q, q)>/2."""
-    linear = linear_at(problem, z)
-    q = unit(linear, q)
-    project = projector(linear, q)
+def fold(problem: LargeEquations, z: Array, q: Vector, along: Callable[[Vector], Any]) -> Fields:
+    """`a` = <p, B(q, q)>/2, `along` = <p, .> for the null vector q of length 1."""
     right = state(q)
-    found, errors = with_errors(problem, z, lambda form: {"a": 0.5 * float(np.real(project(form(right, right))[1]))})
+    found, errors = with_errors(problem, z, lambda form: {"a": 0.5 * float(np.real(along(form(right, right))))})
     return {**found, "errors": errors}
 
 

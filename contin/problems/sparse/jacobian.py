@@ -87,6 +87,7 @@ class JacobianSource:
             held.iterations, held.rate = last.iterations, last.rate or 1.0
             if before is not None and held.iterations > before.iterations:
                 held, self._before, last = before, None, None
+        kept = last is not None and held is self._held
         if held is None or (last is not None and last.iterations > WORSE * held.iterations + MORE):
             apply = self.system.attempt("preconditioner", lambda: self._preconditioner(u, p), None, u, p)
             self.factoriser.tally.factorisations += 1
@@ -94,15 +95,18 @@ class JacobianSource:
                 return None
             if held is not None and last is not None:
                 self._before = Held(held.apply, last.iterations)
-            held = Held(apply)
+            held, kept = Held(apply), False
         self._held = held
         approximate, lost = held.apply, np.full(self.system.n, np.nan)
 
         def apply_here(r: Array) -> Array:  # where it fails is this point, wherever it was made
             return np.asarray(self.system.attempt("preconditioning", lambda: approximate(r), lost, u, p))
 
-        self._last = KrylovLinear(product, apply_here, matrix=matrix, tally=self.factoriser.tally, mass=self.mass)
-        return self._last
+        linear = KrylovLinear(product, apply_here, matrix=matrix, tally=self.factoriser.tally, mass=self.mass)
+        if kept and last is not None:
+            linear.solved = last.solved
+        self._last = linear
+        return linear
 
     def rate(self) -> float | None:
         """What part of an error one application of the user's preconditioner leaves about; None where it is weak.

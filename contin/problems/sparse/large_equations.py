@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import corrector
-from contin.linalg.beside_zero import beside_zero
+from contin.linalg.beside_zero import Nearest, beside_zero, by_approximation
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of
 from contin.linalg.eigen import FEWEST, Spectrum, followed
 from contin.linalg.far_from_zero import WATCHED, with_far_ones
@@ -28,7 +28,8 @@ from contin.problems.sparse.large_linearisation import LargeLinearisation, Works
 from contin.problems.sparse.old_factors import is_near
 from contin.systems.functions.function_system import FunctionSystem
 
-STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
+STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE, ...
+LONG_STRIDE = 4.0  # ... or less, where solves are iterative: cubic predictions are 1e-4 off or less over such steps
 FEWEST_STABLE = 2  # eigenvalues that are followed; with fewer, the next ones are looked for again
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 MOST_TELLING = 10  # eigenvalues of each kind that are kept of many, ...
@@ -37,6 +38,7 @@ WHOLE = 500  # states up to which all eigenvalues are computed where too many ar
 UNBOUNDED = 20  # eigenvalues that are computed where nothing is known of where unstable ones are
 TURNING = 0.9  # as WATCHED, of pairs where nothing but what was seen tells how far to look
 OLD = 0.09  # part of an error that factors of an earlier point leave
+GOOD = 0.3  # part of an error that an approximate inverse leaves from whose eigenvalues those of A are told
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +153,7 @@ class LargeEquations(InOneParameterProblem):
             unbounded = linear.matrix is None and (first or at_zero)
         else:
             unbounded = not self._bounded(linear)
-        nearest = beside_zero(linear, linear.weigh(start), radius, work.reach, UNBOUNDED if unbounded else FEWEST)
+        nearest = self._nearest(linear, start, radius, UNBOUNDED if unbounded else FEWEST, at_zero)
         found = nearest.found
         if linear.matrix is not None and not found.certain:
             if n <= WHOLE:
@@ -169,6 +171,16 @@ class LargeEquations(InOneParameterProblem):
             nearest = replace(nearest, found=_telling(found, reach))
         near = self._kept(nearest.with_copies(n, reach).spectrum(), TURNING if linear.matrix is None else WATCHED)
         return self._with_far_ones(linear, near)
+
+    def _nearest(self, linear: Linear, start: Array, radius: float, fewest: int, exactly: bool) -> Nearest:
+        """See `beside_zero`; `by_approximation` where solves are iterative, and approximate inverses good."""
+        if not exactly and linear.mass is None and isinstance(linear, KrylovLinear) and not linear.exact:
+            rate = OLD if linear.precise is not None else linear.rate
+            if 0.0 < rate <= GOOD:
+                found = by_approximation(linear, rate, start, radius, self.work.reach, fewest)
+                if found is not None:
+                    return found
+        return beside_zero(linear, linear.weigh(start), radius, self.work.reach, fewest)
 
     def _with_far_ones(self, linear: Linear, found: Spectrum) -> Spectrum:
         """See `with_far_ones`: where Krylov spaces of the inverse do not reach as far as unstable ones may be."""

@@ -7,7 +7,7 @@ Jacobians, time are proportional to n.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,14 +18,11 @@ from contin.continuation import march as python_march
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
-from contin.linalg.linear import DirectLinear
+from contin.linalg.linear import DirectLinear, KrylovLinear
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.problems.sparse import special_points
-from contin.problems.sparse.large_equations import (
-    STRIDE,
-    LargeEquations,
-)
+from contin.problems.sparse.large_equations import LONG_STRIDE, STRIDE, LargeEquations
 from contin.problems.state_columns import state_columns
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
@@ -49,7 +46,8 @@ class LargeProblem(LargeEquations):
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         """The same size for all states (in proportion to `typical`, if given): the norm is that of a function.
 
-        Lengths are divided by `STRIDE`: steps are dear here, and go further.
+        Lengths are divided by `STRIDE`: steps are dear here, and go further; the more so where every solve is a
+        search (`LONG_STRIDE`).
         """
         width = bounds[1] - bounds[0] if np.isfinite(bounds[1] - bounds[0]) else max(1.0, abs(float(z[-1])))
         typical = self.system.model.typical
@@ -64,7 +62,8 @@ class LargeProblem(LargeEquations):
             size = max(size, min(motion, 10.0 * size))
         else:
             size = motion if motion > 1e-14 else float(np.abs(typical).max())
-        return STRIDE * np.append(np.sqrt(self.n) * size * unit, width)
+        stride = LONG_STRIDE if isinstance(linear, KrylovLinear) else STRIDE
+        return stride * np.append(np.sqrt(self.n) * size * unit, width)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         self.precisely(z)
@@ -111,6 +110,7 @@ class LargeProblem(LargeEquations):
             return unverified(type_, "its place is not determined to any accuracy")
         if type_ == "LP" and isinstance(found, Verified) and self.system.model.written is None:
             here = self.linearisation(found.z, near.tangent, frame.scale)
+            here = here and replace(here, rough=True)  # for chords, which converge linearly anyway
             why = no_fold(self.residual, here, found.z, frame.scale)
             if why is not None:
                 return Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")

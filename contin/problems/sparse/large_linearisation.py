@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.extrapolation import cubic
+from contin.continuation.extrapolation import REACH, cubic
 from contin.linalg.eigen import Region
 from contin.linalg.krylov import Accuracy
 from contin.linalg.linear import KrylovBordered, Linear, Solution
@@ -46,7 +46,8 @@ class Workspace:
     region: Region = field(default_factory=Region)
     of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
-    earlier: tuple[Array, Array] | None = None  # the one before it that is not from next to there
+    earlier: tuple[Array, Array] | None = None  # the one before it that is not from next to there, ...
+    beside: tuple[Array, Array] | None = None  # ... and one that is
     by_entries: tuple[Linear, Linear] | None = None  # an operator known by products, and the same by its matrix
     judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
     unseen: tuple[float, float] | None = None  # modulus up to which eigenvalues were computed at least, and to be
@@ -76,6 +77,11 @@ class LargeLinearisation:
             return None
         length = norm(self.solve(generic(len(self.residual) + 1)))
         return 1.0 / length if 0.0 < length < np.inf else 0.0
+
+    @property
+    def dear(self) -> bool:
+        """Where solves are iterative."""
+        return isinstance(self._solution, KrylovBordered)
 
     @property
     def log_determinant(self) -> float:
@@ -131,24 +137,25 @@ class LargeLinearisation:
         x = solution.solve(right, guess, accuracy)
         if np.all(np.isfinite(x)) and x.any():
             known = self.work.tangent
-            if known is not None and norm((self.z - known[1]) / self.scale) > CHORD:
+            far = known is not None and norm((self.z - known[1]) / self.scale) > CHORD
+            if far:
                 self.work.earlier = known
+            self.work.beside = None if far else known
             self.work.tangent = x, self.z
         return x
 
     def _guessed(self) -> Array | None:
-        """The last tangent t; far from it that of a polynomial through what is known, or of the parabola.
-
-        That is 2 c - t, c a chord with t.c = |c|^2.
+        """The last tangent t, or where it goes from the one beside it; far from it that of a polynomial through what is
+        known, or of the parabola: 2 c - t, c a chord with t.c = |c|^2.
         """
         known = None if self.work is None else self.work.tangent
         if known is None or self.work is None or self.z is None:
             return None
         t, place = known
         chord = (self.z - place) / self.scale
-        if not norm(chord) > CHORD:
-            return t
         scaled = t / self.scale
+        if not norm(chord) > CHORD:
+            return np.asarray(self.scale * self._turned(scaled, place, chord))
         if self.work.earlier is not None:
             slope, at = self.work.earlier
             curve = cubic(scaled / norm(scaled), (at - place) / self.scale, slope / self.scale)
@@ -156,3 +163,15 @@ class LargeLinearisation:
             if better is not None:
                 return np.asarray(self.scale * better)
         return np.asarray(self.scale * (2.0 * dot(scaled, chord) / dot(chord, chord) * chord - scaled))
+
+    def _turned(self, t: Array, place: Array, chord: Array) -> Array:
+        """The (scaled) tangent at the end of a short chord from `place`, where it is t, as it turned before."""
+        beside = None if self.work is None else self.work.beside
+        if beside is None:
+            return t
+        back, way = dot(t, (beside[1] - place) / self.scale), dot(t, chord)
+        before = beside[0] / self.scale
+        along = dot(t, before)
+        if not 0.0 < abs(way) < REACH * abs(back) or along == 0.0:  # farther, what is seen of its turning is rounding
+            return t
+        return np.asarray(t + way / back * (before * (dot(t, t) / along) - t))

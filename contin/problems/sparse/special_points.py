@@ -95,9 +95,11 @@ def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
     here = problem.linearisation(at.z, at.tangent, frame.scale)  # where solved by iteration, once more from at.tangent
     t = at.tangent if here is None else here.solve(np.append(np.zeros(problem.n), 1.0))
-    q = t[:-1] / norm(t) * frame.scale[:-1]
-    form = forms.fold(problem, at.z, q)
-    error += 3.0 * forms.rounding_of_fold(problem, at.z, q)
+    linear = forms.linear_at(problem, at.z)
+    q = forms.unit(linear, t[:-1] / norm(t) * frame.scale[:-1])
+    along = forms.functional(linear, q)
+    form = forms.fold(problem, at.z, q, along)
+    error += 3.0 * forms.rounding_of_fold(problem, at.z, along)
     if found.slope != 0.0:  # the parameter's way, to second order, to where nothing is left
         error += elementary.square(left) / abs(found.slope) * float(frame.scale[-1])
     residual = max(at.residual, abs(left))

@@ -16,7 +16,7 @@ from contin.continuation import corrector
 from contin.continuation.outcome import Failure
 from contin.continuation.sample import Frame, Sample
 from contin.linalg.secant import SecantRules, SecantZero, secant
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:
@@ -86,7 +86,9 @@ def zero_on_curve(problem: CorrectedEquations, base: Sample, frame: Frame, measu
     """The zero of `measure` near base."""
 
     def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
-        guess = base.z + s * frame.scale * base.tangent if near is None else near.z
+        start = At(base.z, base.tangent, 0.0) if near is None else near
+        passed = dot(base.tangent, (start.z - base.z) / frame.scale)
+        guess = start.z + (s - passed) / dot(base.tangent, start.tangent) * frame.scale * start.tangent
         at = point_at(problem, base, s, guess, frame)
         return None if at is None else (at, measure(at))
 

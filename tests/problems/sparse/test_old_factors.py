@@ -9,6 +9,7 @@ import contin
 from contin.linalg.factor import Factoriser
 from contin.linalg.krylov import Accuracy, gmres
 from contin.problems.sparse import jacobian as source
+from contin.problems.sparse import large_equilibrium
 from contin.problems.sparse.old_factors import WORTH, OldFactors
 
 
@@ -25,6 +26,7 @@ def plate(n, preconditioner=None):
 
 def followed(n, always_factored, monkeypatch):
     monkeypatch.setattr(source, "ALWAYS_FACTORED", always_factored)
+    monkeypatch.setattr(large_equilibrium, "LONG_STRIDE", large_equilibrium.STRIDE)  # steps alike
     return contin.continuation(plate(n), "lam", (0, 10), settings={"steps": 16})
 
 
