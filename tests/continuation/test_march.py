@@ -1,14 +1,16 @@
 """The march: the same steps in machine code and in Python, its orders of accuracy, its effort."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
 import contin
 from contin.continuation import corrector
 from contin.continuation import march as python_march
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, Stop
 from contin.continuation.settings import Settings
-from contin.problems.dense_march import DenseMarch
+from contin.problems.dense_march import DenseLinearisation, DenseMarch
 from tests.problems.cases import oscillator, zeros
 from tests.problems.follow import follow, model
 
@@ -157,3 +159,34 @@ def test_straight_branch_takes_one_over_max_step_points():
     branch = follow({"x": "p - x"}, {"x": 0.0}, {"p": 0.0}, (0.0, 1.0), settings={"max_step": 0.05})
     assert branch.steps <= 2 * 20 + 10
     assert branch.effort["evaluations"] <= 2 * branch.steps + 2
+
+
+@dataclass(frozen=True, eq=False)
+class BlindBeyond(DenseLinearisation):
+    """Corrects, and knows no tangent."""
+
+    def solve(self, right):
+        return super().solve(right) if right[-1] != 1.0 else np.full_like(right, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Blind(DenseMarch):
+    """Corrects everywhere; tangents are known up to p = 0.5 (as where a preconditioner fails, and the residual not)."""
+
+    def linearisation(self, z, tangent, scale):
+        here = super().linearisation(z, tangent, scale)
+        return here if z[-1] <= 0.5 else BlindBeyond(here.residual, here.factors, here.sign, here.log_determinant)
+
+
+def test_no_row_is_without_a_tangent():
+    equations, states, parameters, bounds = SYSTEMS["circle"]
+    problem, z = problem_of(equations, states, parameters)
+    scale = problem.initial_scale(z, bounds)
+    settings = Settings()
+    chunk = python_march.march(
+        Blind(problem), origin_of(problem, z, scale), None, 0.0, Frame(scale), settings.first_step, 200, bounds,
+        settings, None,
+    )  # fmt: skip
+    assert chunk.stop is Stop.NOT_FINITE
+    assert np.isfinite(chunk.tangents).all()
+    assert chunk.z[-1, -1] == pytest.approx(0.5, abs=1e-6)

@@ -5,6 +5,7 @@ import pytest
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from contin.linalg.beside_zero import by_approximation
 from contin.linalg.bordered import bordered
 from contin.linalg.eigen import CONVERGED, Region, leading
 from contin.linalg.factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
@@ -142,3 +143,61 @@ def test_gmres_improves_a_guess_even_where_it_meets_the_tolerance():
     guess = exact * (1.0 + 1e-8 * GENERATOR.normal(size=50))
     x, _, _ = gmres(lambda v: matrix @ v, lambda v: v, matrix @ exact, 1e-7, guess)
     assert np.linalg.norm(x - exact) < 1e-2 * np.linalg.norm(guess - exact)
+
+
+def square(n, shift=0.0):
+    """The discrete Laplacian on n x n inner points of the unit square, plus a shift: symmetric."""
+    line = sp.diags([np.ones(n - 1), -2.0 * np.ones(n), np.ones(n - 1)], [-1, 0, 1]) * (n + 1) ** 2
+    return (sp.kron(line, sp.identity(n)) + sp.kron(sp.identity(n), line) + shift * sp.identity(n * n)).tocsc()
+
+
+def old_factors(matrix, near):
+    return KrylovLinear(lambda v: matrix @ v, near.solve, near, matrix=matrix)
+
+
+def preconditioned(matrix, near):
+    return KrylovLinear(lambda v: matrix @ v, near.solve, matrix=matrix)
+
+
+@pytest.mark.parametrize("kind", [old_factors, preconditioned])
+def test_the_last_unknown_of_a_bordered_system_is_a_functional_of_its_right_hand_side(kind):
+    """Where A is singular, too, and its factors are of a matrix nearby."""
+    matrix = square(9)
+    matrix = (matrix - np.linalg.eigvalsh(matrix.toarray())[-1] * sp.identity(81)).tocsc()
+    near = Factoriser().factor(square(9, 5.0))
+    b, c, right = (np.random.default_rng(k).normal(size=81) for k in range(3))
+    exact = bordered(Factoriser().factor(square(9)), b[:, None], c[:, None], np.array([[0.5]]))
+    assert exact.last_row() @ np.append(right, 0.3) == pytest.approx(exact.solve(np.append(right, 0.3))[-1], rel=1e-11)
+    solver = kind(matrix, near).bordered(b[:, None], c[:, None], np.array([[0.5]]))
+    whole = np.block([[matrix.toarray(), b[:, None]], [c[None], np.array([[0.5]])]])
+    expected = np.linalg.inv(whole)[-1]
+    np.testing.assert_allclose(solver.last_row(), expected, atol=1e-8 * np.abs(expected).max())
+
+
+def test_there_is_no_such_functional_where_nothing_solves_with_the_transpose():
+    matrix = (square(9) + sp.diags([np.ones(80)], [1])).tocsc()
+    near = Factoriser().factor(matrix)
+    borders = np.ones((81, 1)), np.ones((81, 1)), np.zeros((1, 1))
+    assert preconditioned(matrix, near).bordered(*borders).last_row() is None
+    assert KrylovLinear(lambda v: matrix @ v, near.solve).bordered(*borders).last_row() is None
+
+
+@pytest.mark.parametrize("skew", [0.0, 40.0])
+def test_eigenvalues_by_one_application_a_vector_are_those_of_the_operator(skew):
+    """Unstable ones among them, with factors of a matrix nearby in place of an inverse."""
+    n = 12
+    matrix = (square(n, 60.0) + skew * sp.diags([np.ones(n * n - 1), -np.ones(n * n - 1)], [1, -1])).tocsc()
+    near, applied = Factoriser().factor((matrix - 0.2 * sp.identity(n * n)).tocsc()), []
+
+    def solve(right):
+        applied.append(1 if right.ndim == 1 else right.shape[1])
+        return near.solve(right)
+
+    linear = KrylovLinear(lambda v: matrix @ v, solve, matrix=matrix)
+    found = by_approximation(linear, 0.09, np.random.default_rng(4).normal(size=n * n), 0.0, 0.0, 4)
+    whole = np.linalg.eigvals(matrix.toarray())
+    for value, vector in zip(found.found.values, found.found.vectors.T, strict=True):
+        assert np.abs(whole - value).min() <= CONVERGED * abs(value)
+        assert np.linalg.norm(matrix @ vector - value * vector) <= 0.05 * abs(value) * np.linalg.norm(vector)
+    assert np.abs(found.found.values - whole[np.argmin(np.abs(whole))]).min() <= CONVERGED * np.abs(whole).min()
+    assert sum(applied) <= 60
