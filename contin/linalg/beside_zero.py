@@ -102,7 +102,7 @@ def by_approximation(
 
 
 def _least_shift(inverse: Inverse, n: int) -> float:
-    return rounding_of(inverse, n) * EPSILON ** (SHIFT - 1.0)
+    return float(rounding_of(inverse, n) * EPSILON ** (SHIFT - 1.0))
 
 
 def _has_factors(linear: Linear) -> bool:
