@@ -1,7 +1,8 @@
-"""Sparse matrices in CSC form with a few dense rows and columns more, put together without a detour by triplets."""
+"""Sparse matrices in CSC form: of one pattern many times; with a few dense rows and columns, without triplets."""
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,12 +13,19 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 
+def filled(pattern: csc_matrix, data: Array) -> csc_matrix:
+    """The matrix with these entries where `pattern` has its own; rows and columns are shared.
+
+    (Made from its parts, scipy looks through rows and columns every time.)
+    """
+    made = copy(pattern)
+    made.data = data
+    return made
+
+
 def scaled_columns(matrix: csc_matrix, scale: Array) -> csc_matrix:
     """M diag(scale); the pattern is shared."""
-    from scipy import sparse
-
-    values = matrix.data * np.repeat(scale, np.diff(matrix.indptr))
-    return sparse.csc_matrix((values, matrix.indices, matrix.indptr), shape=matrix.shape)
+    return filled(matrix, matrix.data * np.repeat(scale, np.diff(matrix.indptr)))
 
 
 def with_columns(matrix: csc_matrix, columns: Array, place: int | None = None) -> csc_matrix:

@@ -13,6 +13,7 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.kernels.colouring import colour_columns
+from contin.linalg.csc import filled
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -78,13 +79,11 @@ class ProbedMatrix:
         self._pattern, self._columns = pattern, np.repeat(np.arange(self.n), np.diff(pattern.indptr))
 
     def _by_colours(self, product: Product, sizes: Array) -> csc_matrix:
-        from scipy.sparse import csc_matrix
-
         pattern = self._pattern
         assert pattern is not None
         slopes = np.array([product(np.where(self._colours == c, sizes, 0.0)) for c in range(self._count)])
         data = slopes[self._colours[self._columns], pattern.indices] / sizes[self._columns]
-        return csc_matrix((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+        return filled(pattern, data)
 
     def _off(self, matrix: csc_matrix, product: Product, sizes: Array) -> float:
         """What part of a row is missing, by its product with a random vector; 0 where that is not finite."""

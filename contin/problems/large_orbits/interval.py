@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, identity
 
 from contin.abi import Array
+from contin.linalg.csc import filled
 from contin.problems.large_orbits.radau import STAGES, A
 
 
@@ -58,8 +60,12 @@ class Pattern:
         else:
             stages = np.arange(STAGES)
             data[self.places[:, stages, stages]] += mass.data[:, None]
+        return filled(self._empty, data)
+
+    @cached_property
+    def _empty(self) -> csc_matrix:
         size = len(self.starts) - 1
-        return csc_matrix((data, self.rows, self.starts), shape=(size, size))
+        return csc_matrix((np.zeros(len(self.rows)), self.rows, self.starts), shape=(size, size))
 
 
 def full_diagonal(J: csc_matrix) -> csc_matrix:
@@ -89,7 +95,7 @@ def one_pattern(matrices: Sequence[csc_matrix]) -> list[csc_matrix]:
     union.sort_indices()
     spread = []
     for J in matrices:
-        place = csc_matrix((np.arange(1.0, union.nnz + 1.0), union.indices, union.indptr), shape=union.shape)
+        place = filled(union, np.arange(1.0, union.nnz + 1.0))
         found = csc_matrix(place.multiply(abs(J).astype(bool)))
         found.sort_indices()
         data = np.zeros(union.nnz)
@@ -97,5 +103,5 @@ def one_pattern(matrices: Sequence[csc_matrix]) -> list[csc_matrix]:
         full.eliminate_zeros()
         full.sort_indices()
         data[found.data.astype(np.intp) - 1] = full.data
-        spread.append(csc_matrix((data, union.indices, union.indptr), shape=union.shape))
+        spread.append(filled(union, data))
     return spread

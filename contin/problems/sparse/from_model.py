@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.linalg.csc import filled
 from contin.lowering.alike import Alike
 from contin.lowering.switching import switching_functions
 from contin.model.explain import explain_not_finite
@@ -36,11 +37,8 @@ class _Formulas:
 
     def matrix(self, u: Array, p: Array) -> Any:
         """dF/du as a CSC matrix."""
-        from scipy.sparse import csc_matrix
-
         pattern, order = self._pattern
-        data = self.equations.slopes(u, p)[order]
-        return csc_matrix((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+        return filled(pattern, self.equations.slopes(u, p)[order])
 
     @cached_property
     def _pattern(self) -> tuple[Any, NDArray[np.intp]]:

@@ -12,6 +12,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
+from contin.linalg.csc import filled
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.probed import ProbedMatrix, entries
@@ -155,24 +156,21 @@ class JacobianSource:
         return pattern, np.repeat(np.arange(n), np.diff(pattern.indptr)), colours, int(count)
 
     def _coloured(self, u: Array, p: Array) -> csc_matrix:
-        from scipy.sparse import csc_matrix
-
         pattern, columns, colours, count = self._pattern
-        size = self.system.sizes_at(u)
+        size, value = self.system.sizes_at(u), self.system.quickly
         slopes = np.empty((count, self.system.n))
-        raw = self.system.raw
+        circled = p.astype(complex)
         with np.errstate(all="ignore"):
             for c in range(count):
                 step = np.where(colours == c, size, 0.0)
                 if self.system.lines.analytic:
-                    slopes[c] = np.imag(raw(u + 1j * COMPLEX_STEP * step, p.astype(complex))) / COMPLEX_STEP
+                    slopes[c] = np.imag(value(u + 1j * COMPLEX_STEP * step, circled)) / COMPLEX_STEP
                     continue
                 total = np.zeros(self.system.n)
                 for offset, weight in stencil(1):
-                    total += weight * np.asarray(raw(u + offset * STEPS[1] * step, p), dtype=float)
+                    total += weight * np.asarray(value(u + offset * STEPS[1] * step, p), dtype=float)
                 slopes[c] = total / STEPS[1]
-        data = slopes[colours[columns], pattern.indices] / size[columns]
-        return csc_matrix((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+        return filled(pattern, slopes[colours[columns], pattern.indices] / size[columns])
 
     # matrix-free ------------------------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ import contin
 from tests.problems.large_orbits.test_normal_forms import GAIN, M, family, function
 
 INTERVALS, MESH = 6, 1e-3  # and the error of as many
+LONG = {"step": 0.1, "max_step": 0.25}  # of the range: what is between the labels is looked at elsewhere
 
 
 def folding(z, p):
@@ -57,7 +58,7 @@ def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
     folds = family(problem, (-0.1, 0.3), stop_at=("LPC",), intervals=INTERVALS)
     span = {"mu": (-0.2, 0.3), "a": (-0.76, a + 0.01)}
     planted = {"CPC": 0.5} if a < -0.7 else {"LPPD": 0.36, "CPC": 0.5}
-    curve = contin.continuation(folds["LPC1"].locus(), ("mu", "a"), span)
+    curve = contin.continuation(folds["LPC1"].locus(), ("mu", "a"), span, settings=LONG)
     for point in found_on(curve, list(planted)):
         r2 = planted[point.type]
         assert abs(point.values["a"] - (3 * r2 * r2 - 3 * r2)) < point.error < MESH
@@ -81,7 +82,8 @@ def planted():
 
 def test_a_generalised_period_doubling(planted):
     """c = M/(2 r) - k vanishes at r = 1/2; r = sqrt(mu + M w^2) has -M^2/(8 r^3) w^4."""
-    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.6, 0.75)})
+    span = {"mu": (0.1, 0.5), "k": (0.64, 0.75)}
+    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), span, settings=LONG)
     (point,) = found_on(curve, ["GPD"])
     assert abs(point.values["k"] - M) < point.error < MESH
     agrees(point, e=-M * M)
@@ -122,7 +124,8 @@ def test_a_chenciner_point():
 
 def test_more_states_than_a_matrix_is_made_of_have_a_remark(planted, monkeypatch):
     monkeypatch.setattr("contin.problems.large_orbits.codimension_two.MOST", 5)
-    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), {"mu": (0.1, 0.5), "k": (0.6, 0.75)})
+    span = {"mu": (0.1, 0.5), "k": (0.64, 0.75)}
+    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), span, settings={**LONG, "stop_at": ("GPD",)})
     (point,) = curve.points
     assert point.type == "GPD"
     assert not point.normal_form

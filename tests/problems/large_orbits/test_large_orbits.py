@@ -10,6 +10,7 @@ from contin.problems.large_orbits.radau import A, C, Trajectory, extremes
 from tests.problems.large_orbits.cycles import family, landau, planted
 
 MESH = 1e-4  # error of eight intervals of order 5
+LONG = {"step": 0.05, "max_step": 0.2}  # of the range: rows of curves that are smooth are few
 
 
 @pytest.fixture(scope="module")
@@ -59,11 +60,12 @@ def test_bifurcations_of_cycles_are_where_they_were_planted(supercritical):
     with pytest.raises(InputError, match=r"branch.BPC1: curves in two parameters of .* are not made for orbits"):
         contin.continuation(found["BPC1"].locus(), ("mu", "a"), {"mu": (0.1, 0.5), "a": (-2, 2)})
     for label, exact in (("PD1", lambda a: (0.5 + a) ** 2 * (1 - a)), ("NS1", lambda a: 0.3 + a)):
-        curve = contin.continuation(found[label].locus(), ("mu", "a"), {"mu": (0.1, 0.6), "a": (-0.03, 0.03)})
+        span = {"mu": (0.1, 0.6), "a": (-0.03, 0.03)}
+        curve = contin.continuation(found[label].locus(), ("mu", "a"), span, settings=LONG)
         np.testing.assert_allclose(curve.columns["mu"], exact(curve.columns["a"]), atol=MESH)
         assert [end.reason for end in curve.ends] == ["bound", "bound"]
         assert np.ptp(curve.columns["a"]) == pytest.approx(0.06)
-        assert curve.effort["evaluations"] <= 80  # measured 58 and 62, for 28 and 30 steps
+        assert curve.effort["evaluations"] <= 25  # measured 18, for 8 steps
     crossing = contin.continuation(found["BPC1"].switch(), "mu", (0.2, 0.6), settings={"steps": 2})
     np.testing.assert_allclose(
         np.maximum(np.abs(crossing.columns["s.max"]), np.abs(crossing.columns["s.min"])) ** 2,
@@ -81,7 +83,7 @@ def test_fold_of_cycles_behind_a_subcritical_hopf_point(subcritical):
     assert [p.values["mu"] for p in folds] == pytest.approx([-0.25], abs=folds[0].error)
     assert folds[0].error < MESH
     assert found.columns["x.max"].max() > 0.8
-    curve = contin.continuation(folds[0].locus(), ("mu", "a"), {"mu": (-0.6, 0.1), "a": (-0.2, 0.2)})
+    curve = contin.continuation(folds[0].locus(), ("mu", "a"), {"mu": (-0.6, 0.1), "a": (-0.2, 0.2)}, settings=LONG)
     a = curve.columns["a"]
     np.testing.assert_allclose(curve.columns["mu"], -((1 + a) ** 2) / 4, atol=2 * MESH)
     np.testing.assert_allclose(curve.columns["x.max"] ** 2, (1 + a) / 2, atol=2 * MESH)
@@ -138,7 +140,8 @@ def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_cu
     line = contin.continuation(problem, "mu", (-0.5, 0.2))
     to_fold = {"intervals": 10, "steps": 25, "stop_at": ("LPC",)}
     found = contin.continuation(line["HB1"].switch(), "mu", (-0.4, 0.1), settings=to_fold)
-    curve = contin.continuation(found["LPC1"].locus(), ("mu", "c"), {"mu": (-0.6, 0), "c": (0.9, 1.1)})
+    span = {"mu": (-0.6, 0), "c": (0.9, 1.1)}
+    curve = contin.continuation(found["LPC1"].locus(), ("mu", "c"), span, settings=LONG)
     c = curve.columns["c"]
     np.testing.assert_allclose(curve.columns["mu"], -(c**2) / 4, atol=MESH)
     np.testing.assert_allclose(curve.columns["period"], 2 * np.pi / (1 + 0.15 * c), rtol=MESH)  # |A|^2 = c/2

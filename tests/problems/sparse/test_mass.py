@@ -23,6 +23,7 @@ PLANES = [
     pytest.param(zero_hopf(-1, 0.8), "ZH", id="ZH", marks=pytest.mark.long),
 ]
 DECIDED = ("errors", "criticality", "kind", "case", "at")
+FEW = {"max_step": 0.15}  # of the range: curves are compared by their labels
 
 
 def weighed(function: contin.FunctionProblem, mass, **more) -> contin.FunctionProblem:
@@ -65,7 +66,7 @@ def test_a_regular_mass_matrix_changes_no_curve_of_folds():
     plain, curves = combustion(70), []
     for f in (weighed(plain, regular(70)), plain):
         fold = contin.continuation(f, "lam", (0, 6), settings={"stop_at": ("LP",)})["LP1"]
-        curves.append(contin.continuation(fold.locus(), ["lam", "e"], {"lam": (2, 10), "e": (0, 0.4)}))
+        curves.append(contin.continuation(fold.locus(), ["lam", "e"], {"lam": (2, 10), "e": (0, 0.4)}, settings=FEW))
     assert assert_alike(*curves) == ["CP"]
 
 
@@ -83,7 +84,7 @@ def same_in_the_plane(plane, changed) -> list[str]:
     heavy = contin.continuation(changed(plain.problem.system.model), "p", (plane.box or BOX)["p"])
     seen = assert_alike(heavy, plain)
     for point, curve in zip(heavy.points, curves, strict=True):
-        seen += assert_alike(follow(point, box=NEAR), curve)
+        seen += assert_alike(follow(point, box=NEAR, settings=FEW), curve)
     return seen
 
 
@@ -94,7 +95,7 @@ def without_mass(plane):
     """The line of the plain function and the curves of its points, followed once for all mass matrices."""
     if plane.field not in _without_mass:
         plain = as_large(plane)
-        _without_mass[plane.field] = plain, [follow(point, box=NEAR) for point in plain.points]
+        _without_mass[plane.field] = plain, [follow(point, box=NEAR, settings=FEW) for point in plain.points]
     return _without_mass[plane.field]
 
 
