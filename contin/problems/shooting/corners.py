@@ -17,6 +17,7 @@ from contin.continuation.settings import Settings
 from contin.problems.shooting.grazing import grazing
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
+from contin.problems.shooting.phase import room
 from contin.problems.shooting.signature import signature
 
 if TYPE_CHECKING:
@@ -25,8 +26,14 @@ if TYPE_CHECKING:
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)  # (arclength) how far ahead another sequence of crossings is looked for
 BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is taken up again
 BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
+AT_BASE = 1e-2  # of half the longest stretch between crossings: the first node is at one
 BACK = 1e-3  # (arclength) how far before it the search for a corner begins
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
+
+
+def at_base(problem: ShotEquations, z: Array) -> bool:
+    """True where it is the first node that has come to a surface: the family has no corner, the phase is moved."""
+    return problem.autonomous and room(problem, z) < AT_BASE
 
 
 def verify_corner(problem: ShotEquations, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
@@ -68,7 +75,7 @@ def cross_corner(
     The sequence of crossings changes along the tangent; the linearisation on the far side gives the other tangent, its
     sense such that the sequence stays changed.
     """
-    if not problem.system.n_switches:
+    if not problem.system.n_switches or at_base(problem, last.z):
         return None
     scale = frame.scale
     raw = np.where(last.tangent == 0.0, 0.0, last.tangent * scale)
