@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contin.normalforms.jet import Jet, Real, lift
+from contin.normalforms.jet import Jet, Real, lift, uncertain
 from contin.normalforms.reduction import Reduction, reduce
 from contin.normalforms.result import TRUST, NormalForm
 from contin.normalforms.static import StateError, quadratic_error, second_order_error, state, state_lengths
@@ -85,19 +85,18 @@ def _errors(jet: Jet, r: Reduction, state_error: StateError, parameter_error: fl
     kernel, response = r.lifted[0], r.lifted[1]
     along, parameter = state(jet, r.h), lift(np.zeros(jet.n), 1, 0)
     (b20, b11), (_, a02) = r.T2[0].tolist()
-    slope = jet.form(parameter)
     errors = {
-        "a01": second_order_error(jet, p, (slope,), (parameter,), drift),
+        "a01": second_order_error(jet, p, ((1.0, (parameter,)),), (parameter,), drift),
         "a02": second_order_error(
-            jet, p, (jet.form(parameter, parameter), 2.0 * jet.form(parameter, along), jet.form(along, along)),
+            jet, p, ((1.0, (parameter, parameter)), (2.0, (parameter, along)), (1.0, (along, along))),
             (response, response), drift,
         ),
         "b11": second_order_error(
-            jet, p, (jet.form(kernel, parameter), jet.form(kernel, along)), (kernel, response), drift
+            jet, p, ((1.0, (kernel, parameter)), (1.0, (kernel, along))), (kernel, response), drift
         ),
         "b20": quadratic_error(jet, p, q, q, state_error)
         + parameter_error * abs(float(p @ jet.form(kernel, kernel, parameter))),
-        "b30": TRUST * _b30_size(jet, r) + _unseen(jet, q, b11, parameter_error),
+        "b30": _b30_error(jet, r) + _unseen(jet, q, b11, parameter_error),
     }  # fmt: skip
     errors["discriminant"] = (
         (2.0 * abs(b11) + errors["b11"]) * errors["b11"]
@@ -172,8 +171,10 @@ def _unseen(jet: Jet, q: Real, b11: float, parameter_error: float) -> float:
     return 6.0 * abs(b11) * parameter_error / (length * length)
 
 
-def _b30_size(jet: Jet, r: Reduction) -> float:
+def _b30_error(jet: Jet, r: Reduction) -> float:
+    """Estimated error of <p, C(q, q, q) + 3 B(q, h20)>: cancellation, and that of differences."""
     q, p = state(jet, r.right[:, 0]), np.abs(r.left[:, 0])
-    cubic = np.abs(jet.form(q, q, q))
-    mixed = 3.0 * np.abs(jet.form(q, state(jet, r.second[0, 0])))
-    return float(p @ (cubic + mixed))
+    terms = (1.0, (q, q, q)), (3.0, (q, state(jet, r.second[0, 0])))
+    size = sum(weight * np.abs(jet.form(*given)) for weight, given in terms)
+    noise = sum(weight * uncertain(jet, *given) for weight, given in terms)
+    return float(p @ (TRUST * size + noise))

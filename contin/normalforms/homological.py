@@ -26,7 +26,7 @@ from math import factorial
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, lift, mass_of, size_of_terms
+from contin.normalforms.jet import Jet, Real, lift, mass_of, otherwise, size_of_terms, uncertain
 from contin.normalforms.linear import EigenPair, solve
 from contin.normalforms.result import TRUST
 
@@ -40,7 +40,8 @@ class CentreManifold:
     """Coefficients h_v and g_v over the eigenvectors `pairs` (semisimple critical eigenvalues) of a jet.
 
     `h(v)` is an (n,) array, `g(v, j)` a number (zero where v is not resonant with j), `magnitude(v, j)` the sum of the
-    moduli of the summands of g(v, j), against which rounding in it is measured. v has one entry for each pair, then one
+    moduli of the summands of g(v, j), against which rounding in it is measured (errors of differences in units of
+    `TRUST` with them). v has one entry for each pair, then one
     for each active parameter (those may be left out).
     """
 
@@ -144,6 +145,8 @@ class CentreManifold:
             sizes = sizes + np.abs(weight * form)
             if 1 < len(directions) < LONG:  # longer ones are evaluated along their directions: `rounding` sees theirs
                 sizes = sizes + ROUNDED * weight * size_of_terms(self.jet, *directions)
+            if otherwise(self.jet) and len(directions) > 1:
+                sizes = sizes + weight * uncertain(self.jet, *directions) / TRUST
         for coefficient, u in self._transport(v):
             sizes = sizes + np.abs(coefficient * self._weighed(self._coefficient(u)))
         return sizes

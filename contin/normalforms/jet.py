@@ -20,6 +20,7 @@ Kind: TypeAlias = Literal["flow", "map"]
 FEW: Final = 5  # states and parameters up to which all derivatives of one order are computed at once, ...
 TENSORS: Final = (2, 3)  # ... and the orders
 SIGNS: Final = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0])
+SPREAD: Final = 4.0  # of the error of a form by differences, over the largest change by other ones
 SINGLE: Final = 4  # forms of real directions that are evaluated one by one
 
 
@@ -115,6 +116,7 @@ class DerivativeJet:
     scale: Real | None = None
     several: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]] | None = None  # the same for several tuples
     mass: Real | None = None
+    otherwise: tuple[DerivativeJet, ...] = ()  # with other differences, which tell errors; () of exact derivatives
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
     _tensors: dict[int, Real | None] = field(default_factory=dict, repr=False)
     _asked: dict[int, int] = field(default_factory=dict, repr=False)
@@ -203,6 +205,19 @@ def _units(width: int, order: int) -> tuple[tuple[tuple[Real, ...], ...], NDArra
     place = {key: row for row, key in enumerate(chosen)}
     rows = [place[tuple(sorted(key))] for key in product(range(width), repeat=order)]
     return tuple(tuple(eye[k] for k in key) for key in chosen), np.array(rows)
+
+
+def otherwise(jet: Jet) -> tuple[Jet, ...]:
+    """The jet with other differences, which tell errors of its forms; () where these are exact to rounding."""
+    return jet.otherwise if isinstance(jet, DerivativeJet) else ()
+
+
+def uncertain(jet: Jet, *directions: Vector) -> Real:
+    """By how much a form is off that differences give, (n,); zero where derivatives are exact to rounding."""
+    found = np.zeros(jet.n)
+    for other in otherwise(jet):
+        found = np.maximum(found, SPREAD * np.abs(jet.form(*directions) - other.form(*directions)))
+    return found
 
 
 def size_of_terms(jet: Jet, *directions: Vector) -> Real:

@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.machine import elementary
 from contin.normalforms.bogdanov_takens import jordan_chain
-from contin.normalforms.jet import Jet, Real
+from contin.normalforms.jet import Jet, Real, uncertain
 from contin.normalforms.linear import solve
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.normalforms.result import DEGENERATE, TRUST, NormalForm, parts, sense, side
@@ -80,9 +80,9 @@ def resonance_1_1(jet: Jet) -> NormalForm:
     return NormalForm("R1", coefficients, words, vectors, errors)
 
 
-def _error(left: Real, *terms: Real) -> float:
-    """Estimated error of <left, sum of the terms>."""
-    return TRUST * float(np.abs(left) @ sum(np.abs(term) for term in terms))
+def _error(left: Real, off: Real, *terms: Real) -> float:
+    """Estimated error of <left, sum of the terms>, of which differences leave `off`."""
+    return float(np.abs(left) @ (off + TRUST * sum(np.abs(term) for term in terms)))
 
 
 def resonance_1_2(jet: Jet) -> NormalForm:
@@ -100,7 +100,12 @@ def resonance_1_2(jet: Jet) -> NormalForm:
     C = float(chain.p1 @ sum(cubic)) / 6.0
     D = 0.5 * float(chain.p0 @ sum(cubic) + chain.p1 @ sum(mixed))
     C1, D1 = 4.0 * C, -2.0 * D - 6.0 * C
-    errors = {"C": _error(chain.p1, *cubic) / 6.0, "D": 0.5 * (_error(chain.p0, *cubic) + _error(chain.p1, *mixed))}
+    off_cubic = uncertain(jet, d0, d0, d0) + 3.0 * uncertain(jet, d0, state(jet, h20))
+    off_mixed = uncertain(jet, d0, d0, d1) + 2.0 * uncertain(jet, d0, state(jet, h11))
+    off_mixed += uncertain(jet, d1, state(jet, h20))
+    error_C = _error(chain.p1, off_cubic, *cubic) / 6.0
+    error_D = 0.5 * (_error(chain.p0, off_cubic, *cubic) + _error(chain.p1, off_mixed, *mixed))
+    errors = {"C": error_C, "D": error_D}
     errors |= {"C1": 4.0 * errors["C"], "D1": 2.0 * errors["D"] + 6.0 * errors["C"]}
     vectors = {"q0": chain.q0, "q1": chain.q1, "p0": chain.p0, "p1": chain.p1}
     signs = {"C1": side(C1, errors["C1"]), "D1": side(D1, errors["D1"])}

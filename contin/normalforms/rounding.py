@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import DerivativeJet, Disturbed, Jet, Real, contracted
+from contin.normalforms.jet import SPREAD, DerivativeJet, Disturbed, Jet, Real, contracted, otherwise
 from contin.normalforms.result import NO_FORM, NormalForm
 
 PATTERNS: Final = 3
@@ -40,6 +40,21 @@ def rounding_errors(
             change = change_of(value, other.get(key)) if isinstance(value, float) or key in form.errors else None
             if change is not None:
                 found[key] = max(found.get(key, 0.0), SAFETY * change)
+    return found
+
+
+def difference_errors(form: NormalForm, form_at: Callable[[Jet], NormalForm], jet: Jet) -> dict[str, float]:
+    """By how much the coefficients of form_at(jet) = `form` change with other differences; {} of exact derivatives."""
+    found: dict[str, float] = {}
+    for differenced in otherwise(jet):
+        try:
+            other = form_at(differenced).coefficients
+        except NO_FORM:  # as for a point more degenerate than its type; the errors it has stand
+            continue
+        for key in form.errors:
+            change = change_of(form.coefficients.get(key), other.get(key))
+            if change is not None:
+                found[key] = max(found.get(key, 0.0), SPREAD * change)
     return found
 
 

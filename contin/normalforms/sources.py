@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,14 @@ class Compiled(Protocol):
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector: ...
 
     def derivatives(self, u: Real, p: Real, *directions: Vector) -> Vector: ...
+
+
+@runtime_checkable
+class Differenced(Protocol):
+    """A system whose derivatives of second and higher order may be differences."""
+
+    def with_other_differences(self) -> tuple[Compiled, ...]:
+        """The same with other ones; () where they are exact to rounding."""
 
 
 def compiled_jet(
@@ -48,7 +56,11 @@ def jet_of(
                 row[n + place] = direction[k]
         return np.asarray(system.derivative(u, p, *full), dtype=float)
 
-    return DerivativeJet(matrix, derivative, len(active), kind, scale, at_once(system, u, p, active))
+    others = system.with_other_differences() if isinstance(system, Differenced) else ()
+    otherwise = tuple(jet_of(matrix, other, u, p, active, kind, scale) for other in others)
+    return DerivativeJet(
+        matrix, derivative, len(active), kind, scale, at_once(system, u, p, active), otherwise=otherwise
+    )
 
 
 def at_once(

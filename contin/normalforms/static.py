@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, along_units, lift
+from contin.normalforms.jet import Jet, Real, along_units, lift, uncertain
 from contin.normalforms.linear import EigenPair, null_pair
 from contin.normalforms.result import STATE_ERROR, TRUST
 
@@ -49,22 +49,29 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
     lengths = state_lengths(jet, state_error)
     moved = lengths != 0.0
     drift = lengths[moved] @ np.abs(along_units(jet, dv, dw)[: jet.n][moved] @ p.conj()) if moved.any() else 0.0
-    return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift)
+    off = np.abs(p) @ uncertain(jet, dv, dw)
+    return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift + off)
 
 
-def second_order_error(jet: Jet, p: Vector, parts: tuple[Vector, ...], whole: tuple[Vector, ...], drift: Real) -> float:
-    """Estimated error of <p, D^2F[v, w]> (or <p, DF[v]>), a sum of `parts` (n,): cancellation, and that of the point.
+def second_order_error(
+    jet: Jet, p: Vector, directions: tuple[tuple[float, tuple[Vector, ...]], ...], whole: tuple[Vector, ...],
+    drift: Real
+) -> float:  # fmt: skip
+    """Estimated error of <p, D^2F[v, w]> (or <p, DF[v]>): cancellation, that of differences, and that of the point.
 
+    directions : the form is the sum of weight D^kF[directions].
     drift (n + parameters,) : estimated errors of the states and active parameters; they enter through D^3F[v, w, .].
     Components of p that vanish are rounding of the others, in units of the states' typical sizes.
     """
+    parts = [weight * jet.form(*given) for weight, given in directions]
     size = sum(float(np.abs(p) @ np.abs(part)) for part in parts)
+    noise = sum(weight * float(np.abs(p) @ uncertain(jet, *given)) for weight, given in directions if len(given) > 1)
     if jet.scale is not None:
         rounded = EPSILON * float(np.max(np.abs(p) * jet.scale)) / jet.scale
         size += sum(float(rounded @ np.abs(part)) for part in parts) / TRUST
     off = drift != 0.0
     moved = drift[off] @ np.abs(along_units(jet, *whole)[off] @ p) if off.any() else 0.0
-    return float(TRUST * size + moved)
+    return float(TRUST * size + noise + moved)
 
 
 def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:

@@ -72,7 +72,9 @@ def with_units(jet: DerivativeJet, units: Real) -> DerivativeJet:
         return np.asarray(jet.form(*(d * factors for d in directions))) / units
 
     scale = None if jet.scale is None else jet.scale / units
-    return DerivativeJet(jet.A * units / units[:, None], derivative, jet.parameters, jet.kind, scale)
+    others = tuple(with_units(other, units) for other in jet.otherwise)
+    matrix = jet.A * units / units[:, None]
+    return DerivativeJet(matrix, derivative, jet.parameters, jet.kind, scale, otherwise=others)
 
 
 def in_own_units(vectors: Record, units: Real) -> Record:

@@ -18,7 +18,7 @@ from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.later import Later, stated
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST, NormalForm
-from contin.normalforms.rounding import change_of, rounding_errors
+from contin.normalforms.rounding import change_of, difference_errors, rounding_errors
 from contin.normalforms.sources import compiled_jet
 from contin.normalforms.zero_hopf import zero_hopf
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
@@ -81,7 +81,7 @@ def described(
         at_place = point.z.copy()
 
         def grown() -> dict[str, float]:
-            changes = [rounding_errors(form, form_at, jet)]
+            changes = [rounding_errors(form, form_at, jet), difference_errors(form, form_at, jet)]
             if drift is not None:
                 changes.append(_changes(lambda z: form_at(jet_at(problem, z)), form, at_place, drift, scale))
             return _summed(form, changes)

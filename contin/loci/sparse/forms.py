@@ -27,6 +27,7 @@ from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.loci.sparse.on_large_curve import OnLargeCurve
+    from contin.systems.functions.function_system import FunctionSystem
 
 DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
@@ -114,7 +115,14 @@ def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields, widths: A
             raise NotThisTypeError("of equations with a mass matrix, on an invariant plane")
         form = zero_hopf_on_plane(_in_both_parameters(problem, z, matrix), frequency)
     else:
-        jet = DerivativeJet(matrix, lambda directions: branch.form(point, *map(state, directions)), 0, "flow")
+
+        def jet_of(system: FunctionSystem | None, otherwise: tuple[DerivativeJet, ...] = ()) -> DerivativeJet:
+            def derivative(directions: tuple[Array, ...]) -> Array:
+                return np.real(branch.form(point, *map(state, directions), system=system))
+
+            return DerivativeJet(matrix, derivative, 0, "flow", otherwise=otherwise)
+
+        jet = jet_of(None, tuple(jet_of(other) for other in branch.system.with_other_differences()))
         jet = jet if linear.mass is None else _weighed(jet, linear)
         form = dense_form(type_, jet, frequency=frequency)
     return dict(form.coefficients) | ({"errors": dict(form.errors)} if form.errors else {})
@@ -128,7 +136,8 @@ def _weighed(jet: DerivativeJet, linear: Linear) -> DerivativeJet:
     def derivative(directions: tuple[Array, ...]) -> Array:
         return np.real(jet.form(*(d * units for d in directions)))
 
-    return DerivativeJet(jet.A * units, derivative, 0, "flow", mass=linear.mass.toarray() * units)
+    others = tuple(_weighed(other, linear) for other in jet.otherwise)
+    return DerivativeJet(jet.A * units, derivative, 0, "flow", mass=linear.mass.toarray() * units, otherwise=others)
 
 
 def _is_forced(problem: OnLargeCurve, z: Array, matrix: Array, widths: Array) -> bool:

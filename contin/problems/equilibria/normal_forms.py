@@ -13,10 +13,11 @@ from contin.normalforms.branching import branch_point
 from contin.normalforms.directions import any_branch_point, turning_branch_point
 from contin.normalforms.fold import fold
 from contin.normalforms.hopf import hopf
-from contin.normalforms.jet import DerivativeJet, Kind
+from contin.normalforms.jet import DerivativeJet, Jet, Kind
 from contin.normalforms.later import Later, stated
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.normalforms.rounding import difference_errors
 from contin.normalforms.sources import jet_of
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.problems.equilibria.branching import degenerate
@@ -72,13 +73,22 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
         return None
     jet = with_units(jet_at(problem, point.z, scale), units)
     location = max(STATE_ERROR, point.error / float(metric[-1]))  # of the states, relative: as well as the parameter
-    if point.type == "LP":
-        return fold(jet, state_error=location * scale / units)
     if point.type == "BP" and "turning" in point.vectors:
         coefficients = {"kind": "degenerate", "kernel": int(point.vectors["turning"])}
         return NormalForm("BP", coefficients, "branch point at which the parameter turns on all branches")
-    if point.type == "BP":
-        return branch_point(jet, state_error=location * scale / units, parameter_error=point.error)
-    if point.type == "HB":
-        return hopf(jet, float(point.vectors["omega"]))
-    return period_doubling(jet) if point.type == "PD" else neimark_sacker(jet, float(point.vectors["omega"]))
+    lengths = location * scale / units
+
+    def form_at(jet: Jet) -> NormalForm:
+        if point.type == "LP":
+            return fold(jet, state_error=lengths)
+        if point.type == "BP":
+            return branch_point(jet, state_error=lengths, parameter_error=point.error)
+        if point.type == "HB":
+            return hopf(jet, float(point.vectors["omega"]))
+        return period_doubling(jet) if point.type == "PD" else neimark_sacker(jet, float(point.vectors["omega"]))
+
+    form = form_at(jet)
+    if not jet.otherwise:
+        return form
+    moved = difference_errors(form, form_at, jet)
+    return replace(form, errors={key: error + moved.get(key, 0.0) for key, error in form.errors.items()})

@@ -167,7 +167,7 @@ class ReturnSystem:
             self._lengths[key] = self._bending(u, p)
         return Lines(
             lambda a, b: self.value(u + a, p + b), self.stretch * self._lengths[key], False,
-            lambda a, b, v: self.jacobian(u + a, p + b)[1] @ v,
+            lambda a, b, v: self.jacobian(u + a, p + b)[1] @ v, levels=(1.0,),
         )  # fmt: skip
 
     @cached_property

@@ -23,6 +23,7 @@ from contin.records import Fields
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
     from contin.problems.sparse.large_equations import LargeEquations
+    from contin.systems.functions.function_system import FunctionSystem
 
 SAMPLES = 3
 SPREAD = 4.0  # of an error, over the largest of SAMPLES
@@ -131,11 +132,15 @@ def state(v: Vector) -> Vector:
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
-    """D^kF at a point, as it is or as well as it is known: at a place off by `noise`, every entry off by as much."""
+    """D^kF at a point, as it is or as well as it is known: at a place off by `noise`, every entry off by as much.
+
+    system : with other differences than the problem's own.
+    """
 
     problem: LargeEquations
     z: Array
     noise: np.random.Generator | None = None
+    system: FunctionSystem | None = None
 
     @classmethod
     def off(cls, problem: LargeEquations, z: Array, generator: np.random.Generator) -> Derivatives:
@@ -144,7 +149,7 @@ class Derivatives:
         return cls(problem, z + TRUST * size * generator.uniform(-1.0, 1.0, z.size), generator)
 
     def __call__(self, *directions: Vector) -> Vector:
-        return self._known(self.problem.form(self.z, *directions))
+        return self._known(self.problem.form(self.z, *directions, system=self.system))
 
     def slope(self) -> Array:
         """F_p"""
@@ -160,10 +165,11 @@ Coefficients = Callable[[Derivatives], dict[str, float]]
 
 
 def with_errors(problem: LargeEquations, z: Array, compute: Coefficients) -> tuple[dict[str, float], dict[str, float]]:
-    """Coefficients, and their estimated errors: how far they scatter as what they are made of does."""
+    """Coefficients, and their estimated errors: how far they scatter as what they are made of does, and differences."""
     found = compute(Derivatives(problem, z))
     generator = np.random.default_rng(9)
     others = [compute(Derivatives.off(problem, z, generator)) for _ in range(SAMPLES)]
+    others += [compute(Derivatives(problem, z, system=other)) for other in problem.system.with_other_differences()]
     return found, {key: SPREAD * max(abs(other[key] - value) for other in others) for key, value in found.items()}
 
 

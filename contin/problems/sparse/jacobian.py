@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,9 +17,10 @@ from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.probed import ProbedMatrix, entries
 from contin.problems.sparse.old_factors import OldFactors
-from contin.systems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
+from contin.systems.functions.derivatives import COMPLEX_STEP
 from contin.systems.functions.function_system import FunctionSystem
 from contin.systems.functions.guarded import called, vector
+from contin.systems.functions.stencils import differentiated
 from contin.systems.functions.trials import try_sparsity
 
 if TYPE_CHECKING:
@@ -166,10 +167,7 @@ class JacobianSource:
                 if self.system.lines.analytic:
                     slopes[c] = np.imag(value(u + 1j * COMPLEX_STEP * step, circled)) / COMPLEX_STEP
                     continue
-                total = np.zeros(self.system.n)
-                for offset, weight in stencil(1):
-                    total += weight * np.asarray(value(u + offset * STEPS[1] * step, p), dtype=float)
-                slopes[c] = total / STEPS[1]
+                slopes[c] = differentiated(partial(_ahead, value, u, step, p), 1, 1.0)
         return filled(pattern, slopes[colours[columns], pattern.indices] / size[columns])
 
     # matrix-free ------------------------------------------------------------------------------------------------------
@@ -210,3 +208,8 @@ class JacobianSource:
             return vector("preconditioner", called("preconditioner", made, r), n).astype(float)
 
         return apply
+
+
+def _ahead(value: Callable[[Array, Array], Vector], u: Array, step: Array, p: Array, t: float) -> Array:
+    """F(u + t step, p)."""
+    return np.asarray(value(u + t * step, p), dtype=float)

@@ -92,15 +92,15 @@ class LargeEquations(InOneParameterProblem):
         with np.errstate(all="ignore"):
             return self.system.parameter_slope(z[:-1], self.full_parameters(z), self.active)
 
-    def form(self, z: Array, *directions: Vector) -> Vector:
-        """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex."""
+    def form(self, z: Array, *directions: Vector, system: FunctionSystem | None = None) -> Vector:
+        """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex; by default of its own system."""
         n = self.n
         wide = []
         for d in directions:
             v = np.zeros(n + self.system.m, d.dtype)
             v[:n], v[n + self.active] = d[:n], d[n]
             wide.append(v)
-        return self.system.derivative(z[:n], self.full_parameters(z), *wide)
+        return (system or self.system).derivative(z[:n], self.full_parameters(z), *wide)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> LargeLinearisation | None:
         f = self.residual(z)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 PROBED = 20  # states from which a Jacobian that is not given is looked at for zeros
 LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
+OTHERS = (1.4, 0.7)  # times the usual width of differences, to tell their errors
 NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
 
 
@@ -376,7 +377,15 @@ class FunctionSystem:
 
     def with_wider_stencils(self, factor: float) -> Self | None:
         """The same with other differences for derivatives of order 2 and 3; None where these are no differences."""
-        if self.lines.analytic or self.model.derivative is not None:
+        return None if self.lines.analytic else self._otherwise(factor)
+
+    def with_other_differences(self) -> tuple[Self, ...]:
+        """The same with stencils, or circles in the complex plane, of other widths; () of given derivatives."""
+        found = [self._otherwise(factor) for factor in OTHERS] if self.lines.wider == 1.0 else []
+        return tuple(one for one in found if one is not None)
+
+    def _otherwise(self, factor: float) -> Self | None:
+        if self.model.derivative is not None:
             return None
         made = copy(self)
         made.lines = replace(self.lines, wider=factor)

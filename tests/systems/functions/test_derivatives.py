@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from contin.systems.functions.derivatives import HALF_WIDTHS, STEPS, Lines, is_analytic, stencil
+from contin.systems.functions.derivatives import Lines, is_analytic
+from contin.systems.functions.stencils import HALF_WIDTHS, STEPS, stencil
 
 P = np.array([0.7])
 SIZES = np.ones(3)
@@ -68,3 +69,44 @@ def test_functions_that_are_not_analytic_are_recognised():
     assert not is_analytic(lambda u, p: np.array([float(x) for x in u.real]), u, p, SIZES)
     assert not is_analytic(lambda u, p: np.array([x.__float__() for x in u]), u, p, SIZES)  # raises for complex
     assert not is_analytic(lambda u, p: np.conj(u) * u, u, p, SIZES)
+
+
+@pytest.mark.parametrize("analytic", [True, False])
+@pytest.mark.parametrize("k", [1.0, 5.0, 40.0, 300.0])
+def test_differences_are_as_narrow_as_the_function_bends(k, analytic):
+    """tanh(k x) and its square beside a component with the length 1: poles at i pi/(2 k), each with its own steps."""
+
+    def value(u, p):
+        return np.array([np.tanh(k * u[0]), np.tanh(k * u[0]) ** 2, np.exp(u[0])])
+
+    lines = Lines(value, np.ones(2), analytic)
+    u, p, v = np.zeros(1), np.ones(1), np.array([1.0, 0.0])
+    sizes = np.array([k**3, k**2, 1.0])
+    exact = {2: np.array([0.0, 2.0 * k**2, 1.0]), 3: np.array([-2.0 * k**3, 0.0, 1.0])}
+    for order, expected in exact.items():
+        error = np.abs(lines.pure(u, p, v, order) - expected)
+        assert np.all(error <= 1e-7 * np.array([k**order, k**order, 1.0])), (order, error / sizes)
+    assert lines.first(u, p, v)[:2] == pytest.approx([k, 0.0], rel=1e-10, abs=1e-10 * k)
+
+
+def test_narrower_differences_stay_where_the_function_is_defined():
+    """sqrt(x - 0.999) at x = 1: the usual steps, of the size 1, leave its domain."""
+    lines = Lines(lambda u, p: np.sqrt(u - 0.999), np.ones(2), False)
+    u, p, v = np.ones(1), np.ones(1), np.array([1.0, 0.0])
+    with np.errstate(invalid="ignore"):
+        assert lines.pure(u, p, v, 1)[0] == pytest.approx(0.5 * 1e-3**-0.5, rel=1e-9)
+        assert lines.pure(u, p, v, 2)[0] == pytest.approx(-0.25 * 1e-3**-1.5, rel=1e-6)
+
+
+def test_smooth_functions_take_one_set_of_differences():
+    count = 0
+
+    def counted(u, p):
+        nonlocal count
+        count += 1
+        return smooth(u, p)
+
+    for order in (1, 2, 3):
+        count = 0
+        Lines(counted, SIZES, False).pure(np.array([0.4, -1.3]), P, np.array([0.5, -0.8, 0.3]), order)
+        assert count <= 2 * HALF_WIDTHS[order] + 1

@@ -1,0 +1,61 @@
+"""Derivatives along a line of an analytic function from its values on a circle in the complex plane.
+
+The trapezoidal rule on a circle of radius r gives all Taylor coefficients at once (Fornberg, ACM TOMS 7 (1981) 512): an
+error of about k! 1e-16 / r^k for the k-th derivative, beside what coefficients of order k + 16 and higher add. The
+last coefficients tell of these: where they are not small beside the others (a pole is near), the circle is made
+smaller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array, Vector
+from contin.machine import elementary
+
+RADIUS: Final = 0.1  # relative to the size of the unknowns
+POINTS: Final = 16
+LAST: Final = range(12, 16)  # coefficients that tell whether the series converges on the circle
+CONVERGED: Final = 1e-12  # of the largest coefficient, times r^order: then those of order 16 and more are rounding
+SMALLER: Final = (1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3)
+TINY: Final = float(np.finfo(float).tiny)
+
+
+@cache
+def nodes() -> tuple[tuple[complex, ...], Vector]:
+    """The upper half of the unit circle's nodes w (the lower is its conjugate), and weight w^-k of each for each k."""
+    half = POINTS // 2
+    upper = [elementary.exp(1j * np.pi * j / half) for j in range(half + 1)]
+    weights = [(1.0 if j in (0, half) else 2.0) / POINTS for j in range(half + 1)]
+    turned = [[weight * w**-k for w, weight in zip(upper, weights, strict=True)] for k in range(POINTS)]
+    return tuple(upper), np.array(turned)
+
+
+def derivative_on_circle(value: Callable[[complex], Vector], order: int, reach: float, size: int) -> Array:
+    """d^k/dt^k of value(t) at t = 0, (size,), real for real t; NaN where the circle is too small for numbers.
+
+    reach : over which t the arguments change by their own sizes.
+    """
+    upper, turned = nodes()
+    best, missing = np.full(size, np.nan), np.ones(size, dtype=bool)
+    tail = np.full(size, np.inf)
+    for smaller in SMALLER:
+        r = RADIUS * reach * smaller
+        power = elementary.pow(r, order)
+        if not power > TINY:
+            break
+        terms = (turned @ np.array([value(r * w) for w in upper], dtype=complex)).real
+        found = terms[order] * (math.factorial(order) / power)
+        last, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms))
+        ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
+        better = missing & (ratio < tail)
+        best, tail = np.where(better, found, best), np.where(better, ratio, tail)
+        missing = missing & ~(ratio <= CONVERGED)
+        if not missing.any():
+            break
+    return best

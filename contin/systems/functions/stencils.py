@@ -1,0 +1,75 @@
+"""Derivatives along a line by central differences, whose steps are as narrow as the function asks for.
+
+A stencil of order 6 to 8 and the one within it, of two orders less, use the same values: how much they differ tells
+whether the steps are short beside the lengths over which the function bends. Each component takes the widest steps for
+which that holds, and where none does (rounding) those that differ least.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.machine import elementary
+
+STEPS: Final = {1: 2e-3, 2: 1e-2, 3: 2e-2, 4: 4e-2, 5: 6e-2}  # relative: rounding and truncation balance
+HALF_WIDTHS: Final = {1: 3, 2: 4, 3: 5, 4: 5, 5: 6}
+NARROWER: Final = (1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3)
+FIRST: Final = (1.0, 0.1, 1e-2, 1e-3, 1e-4)  # of first derivatives, which lose less to rounding
+RESOLVED: Final = 1e-7  # relative difference of the two stencils from which truncation of the wider one is some 1e-9
+RESOLVED_SLOPE: Final = 1e-4  # ... of first derivatives, whose inner stencil has order 2 and whose outer one has 6
+ROUNDING: Final = {1: 1e-14, 2: 2e-15, 3: 2e-15, 4: 2e-15, 5: 2e-15}  # of a value, relative, which is itself a sum
+
+
+@cache
+def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...]:
+    """Offsets and weights of the central difference for the derivative of this order on unit spacing."""
+    half = HALF_WIDTHS[order] if half is None else half
+    offsets = np.arange(-half, half + 1, dtype=float)
+    powers = np.vander(offsets / half, increasing=True).T  # scaled, so that the system is well conditioned
+    right = np.zeros(len(offsets))
+    right[order] = math.factorial(order) / elementary.pow(half, order)
+    weights = np.linalg.solve(powers, right)
+    return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
+
+
+def differentiated(value: Callable[[float], Array], order: int, reach: float, levels: tuple[float, ...] = ()) -> Array:
+    """d^k/dt^k of value(t) at t = 0, an array of any shape.
+
+    reach : over which t the arguments change by their own sizes.  levels : how many times narrower steps are tried.
+    """
+    outer, inner = stencil(order), stencil(order, 1 if order == 1 else HALF_WIDTHS[order] - 1)
+    close = RESOLVED_SLOPE if order == 1 else RESOLVED
+    best: Array | None = None
+    for narrower in levels or (FIRST if order == 1 else NARROWER):
+        h = STEPS[order] * reach * narrower
+        values = {k: np.asarray(value(k * h), dtype=float) for k, _ in outer}
+        scale = elementary.pow(h, order)
+        found, within = weighted(outer, values) / scale, weighted(inner, values) / scale
+        largest = np.max([np.abs(v) for v in values.values()], axis=0)
+        rounding = ROUNDING[order] * sum(abs(weight) for _, weight in inner) * largest / scale
+        here = np.abs(found - within)
+        settled = here <= close * np.abs(found) + rounding
+        if best is None:
+            best, gap, done = found, here, settled
+        else:
+            better = ~done & (settled | (here < gap) | np.isnan(gap))
+            best, gap = np.where(better, found, best), np.where(better, here, gap)
+            done = done | settled
+        if done.all():
+            break
+    assert best is not None
+    return best
+
+
+def weighted(rule: tuple[tuple[int, float], ...], values: Mapping[int, Array]) -> Array:
+    """The sum of weights times values."""
+    total = np.zeros_like(values[rule[0][0]])
+    for place, weight in rule:
+        total = total + weight * values[place]
+    return total
