@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.sample import Sample
 from contin.loci.codim2.functions import at_rows
 from contin.problems.equilibria import solved_to_rounding as rounding
+from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -97,7 +98,7 @@ def solve(
         far = at_rows(function, np.array([y + FURTHER * aside * along, y - FURTHER * aside * along]) * scale)
         if _is_pole(abs(float(g[-1])) * size, np.array([after, before]), far):
             return None
-    approximate = max((limit.accuracy for limit in curve.system.limits), default=0.0)
+    approximate = accuracy_of_equations(curve.system)
     if approximate > 0.0:
         sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
         scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)

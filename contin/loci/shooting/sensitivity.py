@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.problems.shooting.locate import accuracy_of_equations
+from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.loci.shooting.curve import ShootingCurve
@@ -25,7 +25,7 @@ def error_of_equations(curve: ShootingCurve, z: Array, scale: Array) -> float:
 
     Zero for equations that are exact, infinite where it cannot be told. Cost: one linearisation.
     """
-    accuracy = accuracy_of_equations(curve.orbits)
+    accuracy = accuracy_of_equations(curve.orbits.system)
     if accuracy == 0.0:
         return 0.0
     equations, at = curve.settled(z, scale).linearise(z, scale), curve.expansion(z, scale)

@@ -29,8 +29,8 @@ from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.codimension_two import has_coefficients, with_coefficients
 from contin.problems.shooting.events import COARSE, FINE
 from contin.problems.shooting.linear import BorderedShooting
-from contin.problems.shooting.locate import accuracy_of_equations
 from contin.special.table import tests_of_orbits
+from contin.systems.accuracy import accuracy_of_equations
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ def _verified(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame)
     found = events.verify(problem.precise(FINE), type_, near, frame)
     if not isinstance(found, Verified):
         return found
-    coarse = max(COARSE, accuracy_of_equations(problem.curve.orbits))
+    coarse = max(COARSE, accuracy_of_equations(problem.curve.orbits.system))
     rough = events.located(problem.precise(coarse), type_, near, frame)
     apart = 0.0
     if isinstance(rough, tuple):

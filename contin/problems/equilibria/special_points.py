@@ -22,6 +22,7 @@ from contin.problems.equilibria.colliding_pairs import colliding
 from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.equilibria.solved_to_rounding import Solved
 from contin.problems.neutral_pairs import errors_of, is_suspect
+from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -323,7 +324,7 @@ def _accept(
     width, at, epsilon = float(frame.scale[-1]), abs(float(z[-1])), float(np.finfo(float).eps)
     if beyond.size and is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
         beyond = np.where(np.abs(beyond) <= errors_of(problem, z, values, frame.scale)[other], 0.0, beyond)
-    approximate = max((limit.accuracy for limit in problem.system.limits), default=0.0)
+    approximate = accuracy_of_equations(problem.system)
     error = (solved.error + approximate * solved.sensitivity) * width + 0.5 * epsilon * at
     if at <= min(error, epsilon * width):
         z[-1] = 0.0  # and not 1e-42 or -0.0

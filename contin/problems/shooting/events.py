@@ -16,9 +16,10 @@ from contin.problems.orbits.linearised.multipliers import critical, distance, no
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.crossing import begins, side_of_branch
 from contin.problems.shooting.halving import halving
-from contin.problems.shooting.locate import accuracy_of_equations, locate, repeated
+from contin.problems.shooting.locate import locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
+from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
@@ -52,7 +53,7 @@ def verify(problem: ShotEquations, type_: str, near: Sample, frame: Frame) -> Ou
         return NOTHING
     if not found.residual <= RESIDUAL_LIMIT:
         return unverified(type_, f"no orbit there (residual {found.residual:.1e})")
-    coarse = problem.precise(max(COARSE, accuracy_of_equations(problem)))
+    coarse = problem.precise(max(COARSE, accuracy_of_equations(problem.system)))
     rough = find(coarse, type_, found.z, near.tangent, frame.scale)
     values = problem.precise(FINE).multipliers(found.z)
     others = nontrivial(problem, values)

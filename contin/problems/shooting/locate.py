@@ -24,6 +24,7 @@ from contin.continuation.outcome import Rejected
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
+from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
@@ -78,7 +79,7 @@ def locate(problem: ShotEquations, type_: str, z: Array, tangent: Array, scale: 
     here = at(0.0)
     if here is None:
         return Rejected("the orbit is lost")
-    noise = NOISE * max(problem.accuracy, accuracy_of_equations(problem))
+    noise = NOISE * max(problem.accuracy, accuracy_of_equations(problem.system))
     best, (s0, g0), error = here, (0.0, here[1]), 0.0
     if g0 != 0.0:
         s1 = FIRST
@@ -101,9 +102,6 @@ def locate(problem: ShotEquations, type_: str, z: Array, tangent: Array, scale: 
     return Located(best[0], best[2], error)
 
 
-def accuracy_of_equations(problem: ShotEquations) -> float:
-    """Relative, of those that are approximations (averages by quadrature); 0 of exact ones."""
-    return max((limit.accuracy for limit in problem.system.limits), default=0.0)
 
 
 def scale_of(tangent: Array, scale: Array) -> Array:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 PROBED = 20  # states from which a Jacobian that is not given is looked at for zeros
 LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
+SLOPES = 1e-12  # what stencils of first derivatives leave where their inner pairs differ by `stencils.RESOLVED_SLOPE`
 OTHERS = (1.4, 0.7)  # times the usual width of differences, to tell their errors
 NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
 
@@ -374,6 +375,11 @@ class FunctionSystem:
 
         vectors = tuple(np.asarray(d) for d in directions)
         return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
+
+    @property
+    def error_of_slopes(self) -> float:
+        """Relative, of an entry of the Jacobian; 0 where it is given, or comes from complex steps."""
+        return 0.0 if self.lines.analytic or self.model.jacobian is not None else SLOPES
 
     def with_wider_stencils(self, factor: float) -> Self | None:
         """The same with other differences for derivatives of order 2 and 3; None where these are no differences."""
