@@ -22,6 +22,7 @@ RADIUS: Final = 0.1  # relative to the size of the unknowns
 POINTS: Final = 16
 LAST: Final = range(12, 16)  # coefficients that tell whether the series converges on the circle
 CONVERGED: Final = 1e-12  # of the largest coefficient, times r^order: then those of order 16 and more are rounding
+FALLEN: Final = 1e-2  # part of the last coefficients' share from which a smaller circle is better: rounding's stays
 SMALLER: Final = (1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3)
 TINY: Final = float(np.finfo(float).tiny)
 
@@ -53,7 +54,7 @@ def derivative_on_circle(value: Callable[[complex], Vector], order: int, reach: 
         found = terms[order] * (math.factorial(order) / power)
         last, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms))
         ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
-        better = missing & (ratio < tail)
+        better = missing & ((ratio < FALLEN * tail) | ~np.isfinite(best))
         best, tail = np.where(better, found, best), np.where(better, ratio, tail)
         missing = missing & ~(ratio <= CONVERGED)
         if not missing.any():

@@ -2,7 +2,8 @@
 
 A stencil of order 6 to 8 and the one within it, of two orders less, use the same values: how much they differ tells
 whether the steps are short beside the lengths over which the function bends. Each component takes the widest steps for
-which that holds, and where none does (rounding) those that differ least.
+which that holds; where none are (rounding, of terms that cancel inside the function), the widest of all, since narrower
+ones lose more. First derivatives at a corner are those of the steps for which the two differ least.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ HALF_WIDTHS: Final = {1: 3, 2: 4, 3: 5, 4: 5, 5: 6}
 NARROWER: Final = (1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3)
 FIRST: Final = (1.0, 0.1, 1e-2, 1e-3, 1e-4)  # of first derivatives, which lose less to rounding
 RESOLVED: Final = 1e-7  # relative difference of the two stencils from which truncation of the wider one is some 1e-9
+NEARLY: Final = 1e-5  # ... that no chance brings about: narrower steps are better, though rounding is in sight
 RESOLVED_SLOPE: Final = 1e-4  # ... of first derivatives, whose inner stencil has order 2 and whose outer one has 6
 ROUNDING: Final = {1: 1e-14, 2: 2e-15, 3: 2e-15, 4: 2e-15, 5: 2e-15}  # of a value, relative, which is itself a sum
 
@@ -44,7 +46,7 @@ def differentiated(value: Callable[[float], Array], order: int, reach: float, le
     reach : over which t the arguments change by their own sizes.  levels : how many times narrower steps are tried.
     """
     outer, inner = stencil(order), stencil(order, 1 if order == 1 else HALF_WIDTHS[order] - 1)
-    close = RESOLVED_SLOPE if order == 1 else RESOLVED
+    close, some = (RESOLVED_SLOPE, np.inf) if order == 1 else (RESOLVED, NEARLY)
     best: Array | None = None
     for narrower in levels or (FIRST if order == 1 else NARROWER):
         h = STEPS[order] * reach * narrower
@@ -52,13 +54,15 @@ def differentiated(value: Callable[[float], Array], order: int, reach: float, le
         scale = elementary.pow(h, order)
         found, within = weighted(outer, values) / scale, weighted(inner, values) / scale
         largest = np.max([np.abs(v) for v in values.values()], axis=0)
+        largest = largest.max() if order == 1 else largest
         rounding = ROUNDING[order] * sum(abs(weight) for _, weight in inner) * largest / scale
-        here = np.abs(found - within)
-        settled = here <= close * np.abs(found) + rounding
+        apart, size = np.abs(found - within), np.abs(found)
+        settled = apart <= close * size + rounding
+        here = apart if order == 1 else np.where(size > 0.0, apart / np.where(size > 0.0, size, 1.0), np.inf)
         if best is None:
             best, gap, done = found, here, settled
         else:
-            better = ~done & (settled | (here < gap) | np.isnan(gap))
+            better = ~done & (settled | (here < np.minimum(gap, some)) | ~np.isfinite(best))
             best, gap = np.where(better, found, best), np.where(better, here, gap)
             done = done | settled
         if done.all():
