@@ -54,10 +54,11 @@ class Bordered:
         pivot: complex, other: complex,
     ) -> Vector:  # fmt: skip
         f, g = right[:-1], right[-1]
-        y = (g - dot(w, f)) / other
-        x = solve(f - b * y)
-        z = (g - self.d * y - dot(c, x)) / pivot
-        return np.append(x - v * z, y + z)
+        with np.errstate(invalid="ignore", over="ignore"):  # factors of a singular A: what comes out is not finite
+            y = (g - dot(w, f)) / other
+            x = solve(f - b * y)
+            z = (g - self.d * y - dot(c, x)) / pivot
+            return np.append(x - v * z, y + z)
 
 
 def dot(a: Vector, b: Vector) -> Any:

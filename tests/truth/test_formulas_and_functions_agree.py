@@ -55,6 +55,7 @@ def assert_alike(ours, theirs, name):
             if isinstance(one, str | bool | int):
                 assert one == other, (a.label, key)
             elif key in errors[0] and key in errors[1]:
+                one, other = (complex(*v) if isinstance(v, list) else v for v in (one, other))
                 slack = errors[0][key] + errors[1][key] + ROUNDING * abs(one)
                 assert abs(one - other) <= slack, (a.label, key, one, other, slack)
 
