@@ -22,6 +22,7 @@ from contin.continuation.sample import Chunk, Sample
 FAR: Final = 10.0  # scales; a state that grows is rescaled long before
 JOURNEY: Final = 20.0  # scales that such a state may move in one chunk
 SMALL: Final = 0.01  # of a scale: states that stay below it are measured by their own size where ...
+ROUNDED: Final = 1e-7  # of a scale: less is what rounding of terms of the scale's size may leave of zero
 STAYS: Final = 0.25  # of the larger of two values, the other: on the way through zero a state's value is not its size
 UNEXPLAINED: Final = 0.2  # ... so much of their change from row to row is not that of the mean tangent
 
@@ -64,7 +65,7 @@ def unresolved(chunk: Chunk, scale: Array, angle_periods: Array, noise: float) -
     explained = (np.sum(moved * mean, axis=1) / squares)[:, None] * mean
     size, least = (np.sqrt(n) * of(np.abs(y[1:]), np.abs(y[:-1])) for of in (np.maximum, np.minimum))
     change = np.maximum(np.abs(moved), np.abs(explained))
-    coarse = (size < SMALL) & (y[1:] * y[:-1] > 0.0) & (least > STAYS * size) & (change > noise)
+    coarse = (size < SMALL) & (size > ROUNDED) & (y[1:] * y[:-1] > 0.0) & (least > STAYS * size) & (change > noise)
     coarse &= np.abs(moved - explained) > UNEXPLAINED * change
     coarse[:, :n] &= angle_periods == 0.0
     coarse[:, n] = False

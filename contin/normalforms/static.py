@@ -65,7 +65,7 @@ def second_order_error(
     """
     parts = [weight * jet.form(*given) for weight, given in directions]
     size = sum(float(np.abs(p) @ np.abs(part)) for part in parts)
-    noise = sum(weight * float(np.abs(p) @ uncertain(jet, *given)) for weight, given in directions if len(given) > 1)
+    noise = sum(weight * float(np.abs(p) @ uncertain(jet, *given)) for weight, given in directions)
     if jet.scale is not None:
         rounded = EPSILON * float(np.max(np.abs(p) * jet.scale)) / jet.scale
         size += sum(float(rounded @ np.abs(part)) for part in parts) / TRUST

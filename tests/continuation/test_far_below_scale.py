@@ -106,3 +106,12 @@ def test_labels_do_not_depend_on_a_scale_that_is_far_too_large(scale):
     mu = (2.0 * c / (0.1 + c) - 0.02) / open_part
     turns = np.flatnonzero(np.diff(np.sign(np.diff(mu)))) + 1
     np.testing.assert_allclose([branch["LP1"].values["mu"], branch["LP2"].values["mu"]], mu[turns], rtol=1e-9)
+
+
+def test_states_that_are_zero_to_rounding_are_not_measured_by_it():
+    """Three metronomes near in-phase synchrony: v1 = v3 but for 1e-12, on which a metric of 1e-12 was founded."""
+    model = contin.average(contin.load("metronomes/three"), form="cartesian")
+    found = contin.diagram(model, "mu", (0.05, 8), start="in-phase", parameters={"beta": 0.8}, orbits=False)
+    branch = found["in-phase/BP1"]
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    assert sorted(p.type for p in branch.points) == ["BP", "HB", "HB", "HB", "LP", "LP", "LP", "LP", "LP"]

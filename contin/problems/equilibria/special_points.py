@@ -15,6 +15,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.linalg.balancing import balancing_scales
 from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary
+from contin.problems.coinciding import with_hopf_points_told
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.branching.multiple_kernel import reduced_branches
 from contin.problems.equilibria.branching.rotated import turning_kernel
@@ -364,7 +365,7 @@ def verify_compound(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fr
         found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
     for pair, count in _pairs_on_boundary(*spectrum(problem.linear_part(y * frame.scale)), problem.is_map):
         found.append(_crossing_pair(problem, local, y, frame, pair, tangent, count))
-    return _merge(found, frame)
+    return with_hopf_points_told(found, frame.scale)
 
 
 def _multiple(
@@ -391,23 +392,6 @@ def _pairs_on_boundary(values: Vector, rates: Array, is_map: bool) -> list[tuple
         else:
             groups.append((complex(value), 1))
     return groups
-
-
-def _merge(found: list[Outcome], frame: Frame) -> list[Outcome]:
-    """A fold with a Hopf point on it is one label: LP, also ZH (the degenerate line of symmetric averaged pairs)."""
-    points = [f for f in found if isinstance(f, Verified)]
-    real = next((p for p in points if p.type in ("LP", "BP")), None)
-    if real is None:
-        return found
-    merged: list[Outcome] = []
-    also: list[str] = []
-    for item in found:
-        near = isinstance(item, Verified) and np.linalg.norm((item.z - real.z) / frame.scale) < 1e-6
-        if near and isinstance(item, Verified) and item.type == "HB":
-            also.append("ZH")
-            continue
-        merged.append(item)
-    return [_with(m, also=tuple(also)) if m is real else m for m in merged]
 
 
 def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:

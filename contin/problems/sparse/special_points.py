@@ -26,6 +26,7 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.normalforms.directions import any_branch_point
 from contin.normalforms.later import stated
+from contin.problems.coinciding import with_hopf_points_told
 from contin.problems.sparse import forms
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.reduced_equation import Reduced, border_rows
@@ -80,7 +81,7 @@ def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame)
         found.append(_branch_point(problem, a, frame))
     if np.any((a.eigenvalues.imag > 0) & (np.abs(a.eigenvalues.real) < CRITICAL * np.abs(a.eigenvalues))):
         found.append(_hopf(problem, a, frame))
-    return found
+    return with_hopf_points_told(found, frame.scale)
 
 
 # folds and Hopf points ------------------------------------------------------------------------------------------------

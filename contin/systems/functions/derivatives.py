@@ -84,8 +84,8 @@ class Lines:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
             return differentiated(ahead, order - 1, reach * self.wider, self.levels)
-        wider = 1.0 if order == 1 else self.wider
-        return differentiated(lambda t: self.function(u + t * along, p + t * across), order, reach * wider, self.levels)
+        ahead = lambda t: self.function(u + t * along, p + t * across)  # noqa: E731
+        return differentiated(ahead, order, reach * self.wider, self.levels)
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
         """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, or one if all are equal."""
