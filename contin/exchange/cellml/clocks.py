@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-import myokit
-from myokit.formats.cellml import v1, v2
-
+from contin.exchange.cellml.library import myokit, v1, v2
 from contin.exchange.formulas.parser import FormulaError
 
 _SAME: Final = 1e-12

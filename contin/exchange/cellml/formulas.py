@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-import myokit
-
+from contin.exchange.cellml.library import myokit
 from contin.exchange.formulas.parser import FormulaError
 from contin.exchange.formulas.tree import Node, either, name, number, own
 

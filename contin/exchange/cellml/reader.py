@@ -13,12 +13,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-import myokit
-from myokit.formats.cellml import v1, v2
-
 from contin.errors import InputError
 from contin.exchange.cellml.clocks import clocks, unit_names
 from contin.exchange.cellml.formulas import tree
+from contin.exchange.cellml.library import myokit, v1, v2
 from contin.exchange.formulas.contin_text import Writer
 from contin.exchange.formulas.functions import unknown
 from contin.exchange.formulas.parser import FormulaError

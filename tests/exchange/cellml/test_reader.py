@@ -10,7 +10,7 @@ from contin.exchange.imported import UnsupportedError
 from contin.exchange.registry import model_of
 from contin.model.evaluate import evaluate_all
 
-pytest.importorskip("myokit")
+pytest.importorskip("contin.exchange.cellml.library")
 from contin.exchange.cellml.reader import read
 
 MATH = '<math xmlns="http://www.w3.org/1998/Math/MathML">'
