@@ -34,11 +34,15 @@ WEAK = 0.7  # of an error, left by one application of a preconditioner
 
 @dataclass(eq=False)
 class Held:
-    """A user's preconditioner, the GMRES iterations that it took when it was new (0: not known yet), and their rate."""
+    """A user's preconditioner, and the GMRES iterations that it took when it was new (0: not known yet).
+
+    rate : what an iteration has left of an error in the worst solve of all points that it served (0: not known yet; at
+    a point where it is exact nothing is learnt).
+    """
 
     apply: Callable[[Array], Array]
     iterations: int = 0
-    rate: float = 1.0
+    rate: float = 0.0
 
 
 class JacobianSource:
@@ -85,8 +89,10 @@ class JacobianSource:
         A new one that is worse still (multigrid next to a fold) is given up for the one that it replaced.
         """
         last, held, before = self._last, self._held, self._before
+        if held is not None and last is not None:
+            held.rate = max(held.rate, last.rate)
         if held is not None and last is not None and held.iterations == 0:
-            held.iterations, held.rate = last.iterations, last.rate or 1.0
+            held.iterations = last.iterations
             if before is not None and held.iterations > before.iterations:
                 held, self._before, last = before, None, None
         kept = last is not None and held is self._held
@@ -115,8 +121,11 @@ class JacobianSource:
 
         Eigenvectors are corrected by it (Davidson's method), whose corrections by a weak one are no measure of errors.
         """
-        held = self._held
-        return held.rate if held is not None and held.iterations > 0 and held.rate <= WEAK else None
+        held, last = self._held, self._last
+        if held is None or last is None:
+            return None
+        rate = max(held.rate, last.rate)
+        return rate if 0.0 < rate <= WEAK else None
 
     def matrix(self, u: Array, p: Array) -> csc_matrix:
         """F_u as a CSC matrix."""

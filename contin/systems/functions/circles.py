@@ -3,7 +3,8 @@
 The trapezoidal rule on a circle of radius r gives all Taylor coefficients at once (Fornberg, ACM TOMS 7 (1981) 512): an
 error of about k! 1e-16 / r^k for the k-th derivative, beside what coefficients of order k + 16 and higher add. The
 last coefficients tell of these: where they are not small beside the others (a pole is near), the circle is made
-smaller.
+smaller. Where they are small and no smaller than those before them, they are rounding errors of the values (terms of
+another size cancel in them), of which a smaller circle makes more.
 """
 
 from __future__ import annotations
@@ -21,8 +22,11 @@ from contin.machine import elementary
 RADIUS: Final = 0.1  # relative to the size of the unknowns
 POINTS: Final = 16
 LAST: Final = range(12, 16)  # coefficients that tell whether the series converges on the circle
+BEFORE: Final = range(8, 12)
 CONVERGED: Final = 1e-12  # of the largest coefficient, times r^order: then those of order 16 and more are rounding
 FALLEN: Final = 1e-2  # part of the last coefficients' share from which a smaller circle is better: rounding's stays
+ROUNDED: Final = 1e-6  # of the largest: a series that has come to it by order 12 falls by .01 in the next four orders,
+FLAT: Final = 0.1  # and has not fallen to this part of itself where rounding is all that is left
 SMALLER: Final = (1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3)
 TINY: Final = float(np.finfo(float).tiny)
 
@@ -52,11 +56,11 @@ def derivative_on_circle(value: Callable[[complex], Vector], order: int, reach: 
             break
         terms = (turned @ np.array([value(r * w) for w in upper], dtype=complex)).real
         found = terms[order] * (math.factorial(order) / power)
-        last, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms))
+        last, before, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms[BEFORE], terms))
         ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
         better = missing & ((ratio < FALLEN * tail) | ~np.isfinite(best))
         best, tail = np.where(better, found, best), np.where(better, ratio, tail)
-        missing = missing & ~(ratio <= CONVERGED)
+        missing = missing & ~((ratio <= CONVERGED) | ((ratio <= ROUNDED) & (last >= FLAT * before)))
         if not missing.any():
             break
     return best

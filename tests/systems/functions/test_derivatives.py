@@ -110,3 +110,18 @@ def test_smooth_functions_take_one_set_of_differences():
         count = 0
         Lines(counted, SIZES, False).pure(np.array([0.4, -1.3]), P, np.array([0.5, -0.8, 0.3]), order)
         assert count <= 2 * HALF_WIDTHS[order] + 1
+
+
+def test_rounding_of_terms_that_cancel_asks_for_no_smaller_circles():
+    """exp(x) and what rounding leaves of (x + 1e6) - 1e6 - x, 1e-10: least on the first circle."""
+    count = 0
+
+    def counted(u, p):
+        nonlocal count
+        count += 1
+        return (u + 1e6) - 1e6 - u + np.exp(u)
+
+    lines = Lines(counted, np.ones(2), True)
+    found = lines.pure(np.array([0.3]), np.ones(1), np.array([1.0, 0.0]), 2)
+    assert found[0] == pytest.approx(np.exp(0.3), rel=1e-7)
+    assert count == 9
