@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
+from contin.continuation.explained import first_unexplained
 from contin.continuation.last_step import Again, Behind, Course, resolve
 from contin.continuation.location.isolate import LOST_IN_ROUNDING
 from contin.continuation.location.through_zero import ThroughZero
@@ -159,9 +160,25 @@ class Arm:
             chunk, finer = self._until_unresolved(
                 march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
             )
+            row = self._first_unexplained(chunk, before, length)
+            if row is not None:  # again from there, with half the step
+                shorter = 0.5 * float(chunk.lengths[row + 1])
+                if row == 0:
+                    step = shorter
+                    continue
+                return chunk.cut(row + 1, Stop.LIMIT, shorter), origin, before, None
             if finer is None or len(chunk) > 1:
                 return chunk, origin, before, finer
             origin, before, length, step = self._measure_in(finer, origin, None)[0], None, 0.0, settings.first_step
+
+    def _first_unexplained(self, chunk: Chunk, before: Sample | None, length: float) -> int | None:
+        """See `first_unexplained`."""
+        if len(chunk) < 2 or chunk.stop is Stop.CORNER:
+            return None
+        problem, noise = self.problem, NOISE * self.course.settings.newton_tolerance
+        return first_unexplained(
+            chunk, before, length, self.scale, problem.angle_periods, noise, each=not problem.adaptive
+        )
 
     def _until_unresolved(self, chunk: Chunk) -> tuple[Chunk, Array | None]:
         """A chunk's rows as far as the metric is fine enough for them, and the finer one that is wanted from there."""

@@ -200,7 +200,7 @@ def _step(
             problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest,
             decisions,
         )  # fmt: skip
-        if not isinstance(found, Failure) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
+        if not isinstance(found, Failure) and steering.leaves(norm(found.y), h, cos_max, settings.newton_tolerance):
             found = Failure.ELSEWHERE
         if isinstance(found, Failure):
             evaluations += 1

@@ -35,6 +35,7 @@ from contin.kernels.steering import (
     STRAYED,
     crossed,
     judged,
+    leaves,
     met,
     next_step,
     passes_start,
@@ -339,7 +340,7 @@ def march(
             length = 0.0
             for j in range(n + 1):
                 length += y[j] * y[j]
-            if math.sqrt(length) > 2.0 * h + 10.0 * tolerance:  # not the curve that the step set out on
+            if leaves(math.sqrt(length), h, cos_max, tolerance):
                 sign = 0
             if sign == 0 or sign == 2:
                 if h <= h_min:

@@ -48,6 +48,7 @@ from contin.kernels.steering import (
     STRAYED,
     crossed,
     judged,
+    leaves,
     met,
     next_step,
     passes_start,
@@ -59,7 +60,6 @@ from contin.kernels.steering import (
 TESTS = 2
 WANTED = 1.5e-3  # first correction, in the metric, that the step control aims at
 OUTGROWN = 1.5  # of its size, beyond which a function's size is renewed
-FAR = 2.0  # lengths of a step beyond which the corrected point is on another branch
 
 Conditions = namedtuple(
     "Conditions",
@@ -307,7 +307,7 @@ def follow(
             if is_stale(sign, sizes_of[2], 1.0):
                 sign = renew(c, e, w, s, x, tangent, scale)
                 info[2] += 1.0
-            if sign != 0 and sign != 2 and distance(z, out_z[k], scale) > FAR * h + 10.0 * tolerance:
+            if sign != 0 and sign != 2 and leaves(distance(z, out_z[k], scale), h, cos_max, tolerance):
                 sign = 0
             if sign == 0 or sign == 2:
                 if h <= h_min:

@@ -52,6 +52,7 @@ from contin.kernels.steering import (
     RESCALE,
     STRAYED,
     judged,
+    leaves,
     met,
     next_step,
     recall,
@@ -372,6 +373,8 @@ def follow(
             if is_stale(sign, sizes_of[2], min(1.0, swing)):
                 sign = renew(e, w, s, x, tangent, scale)
                 info[2] += 1.0
+            if sign != 0 and sign != 2 and leaves(distance(z, out_z[k], scale), h, cos_max, tolerance):
+                sign = 0
             if sign == 0 or sign == 2:
                 if h <= h_min:
                     info[5] = h

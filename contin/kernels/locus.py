@@ -31,6 +31,7 @@ from contin.kernels.steering import (
     RESCALE,
     RESCALE_AT,
     SHORTEST,
+    leaves,
     met,
     next_step,
     passes_start,
@@ -385,6 +386,11 @@ def march(
                 block, pivots, step, sizes,
             )  # fmt: skip
             info[2] += sizes[1]
+            length = 0.0
+            for j in range(size + 1):
+                length += y[j] * y[j]
+            if leaves(math.sqrt(length), h, cos_max, tolerance):
+                sign = 0
             if sign == 0 or sign == 2:
                 if h <= h_min:
                     info[1] = h

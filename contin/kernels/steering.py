@@ -56,6 +56,17 @@ def set_out(origin, tangent, old, scale, h, h_previous, y, z):
         z[j] = origin[j] + scale[j] * y[j]
 
 
+@inlined("f, f, f, f -> b")
+def leaves(distance, h, cos_max, tolerance):
+    """True where the chord to the corrected point turns too far from the tangent at which the step has set out.
+
+    A path whose tangents turn by less than an angle has a chord that does not turn by more. Where it does, the point is
+    on another branch that is nearly parallel (past a pitchfork, the trivial one), or the path bends and bends back.
+    distance : of the corrected point.  Steps as short as a corner's may turn by 60 degrees.
+    """
+    return distance * (cos_max if h > SHORTEST else 0.5) > h + 10.0 * tolerance
+
+
 @inlined("f1, f2, i, f1, i, b, f, f -> b")
 def strays(tests, rows, k, previous, first, signed, h, h_previous):
     """True where a test from `first` on is far from what the two points before predict.

@@ -96,4 +96,4 @@ def test_functions_have_the_labels_of_all_formulas():
             complaints.append((stem, name, str(reason)[:300]))
         except pytest.skip.Exception:
             continue
-    assert not complaints
+    assert not complaints, "\n".join(map(str, complaints))

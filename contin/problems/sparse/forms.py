@@ -153,7 +153,7 @@ class Derivatives:
 
     def slope(self) -> Array:
         """F_p"""
-        return np.real(self._known(self.problem.parameter_slope(self.z)))
+        return np.real(self._known(self.problem.parameter_slope(self.z, self.system)))
 
     def _known(self, value: Vector) -> Vector:
         if self.noise is None:
@@ -203,6 +203,7 @@ def branch_point(problem: LargeEquations, z: Array, q: Vector) -> Fields:
         return {"a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30, "discriminant": b11 * b11 - a02 * b20}
 
     form, errors = with_errors(problem, z, coefficients)
+    errors["a01"] = max(errors["a01"], abs(form["a01"]))  # 0 at a branch point: what is left is that of its place
     kind: Fields = {"kind": "isolated"}
     if abs(form["b20"]) <= errors["b20"]:
         kind = {"kind": "degenerate"}

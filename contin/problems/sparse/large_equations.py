@@ -87,10 +87,10 @@ class LargeEquations(InOneParameterProblem):
             linear = self.linear(z)
         return linear
 
-    def parameter_slope(self, z: Array) -> Array:
-        """F_p (n,)."""
+    def parameter_slope(self, z: Array, system: FunctionSystem | None = None) -> Array:
+        """F_p (n,); by default of its own system."""
         with np.errstate(all="ignore"):
-            return self.system.parameter_slope(z[:-1], self.full_parameters(z), self.active)
+            return (system or self.system).parameter_slope(z[:-1], self.full_parameters(z), self.active)
 
     def form(self, z: Array, *directions: Vector, system: FunctionSystem | None = None) -> Vector:
         """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex; by default of its own system."""

@@ -262,7 +262,7 @@ class FunctionSystem:
         with np.errstate(all="ignore"):
             if lines.analytic:
                 return lines.first(u, p, direction)
-            return Lines(self.quickly, lines.sizes, False).pure(u, p, direction, 1)
+            return replace(lines, function=self.quickly, slope=None).pure(u, p, direction, 1)
 
     def state_jacobian(self, u: Array, p: Array) -> Array:
         """dF/du, (n, n), dense."""
