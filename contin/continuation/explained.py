@@ -18,7 +18,7 @@ from contin.continuation.sample import Chunk, Sample
 
 UNEXPLAINED: Final = 0.2  # part of a state's change, or of its slopes' (of resolved steps: 1e-3)
 STRAY: Final = 0.6  # part of a state's largest slope by which it differs from the line through the two before
-ASIDE: Final = 0.09  # sine of the angle between chord and mean tangent (of resolved steps: 1e-2)
+ASIDE: Final = 0.09  # part of a step's length by which a state is not where the mean tangent leads (of resolved: 1e-2)
 VANISHED: Final = 1e-6  # part of a state and its slope that a step leaves of both: it is zero on another branch
 COUNTS: Final = 3e-4  # of its scale: a state that changes less in a step is not asked by itself (a cubic's flat middle)
 SHORT: Final = 1e-6  # arclength of a step that is not asked: at a corner none is explained
@@ -33,25 +33,25 @@ def first_unexplained(
     leaves in scaled unknowns.  each : whether every unknown is asked, not only all together (values on a mesh, of which
     some change fast anywhere).
     """
-    h = chunk.lengths[1:, None]
-    moved = np.diff(chunk.z, axis=0) / scale
-    chord = np.sqrt(np.einsum("ij,ij->i", moved, moved))[:, None]
-    here, after = chunk.tangents[:-1], chunk.tangents[1:]
-    left = np.abs(moved - 0.5 * chord * (here + after))
-    strange = np.sqrt(np.einsum("ij,ij->i", left, left))[:, None] > ASIDE * chord + noise
+    y, t, h = chunk.z / scale, chunk.tangents, chunk.lengths[1:, None]
+    slopes, moved = np.abs(t), np.abs(y[1:] - y[:-1])
+    left = np.abs(y[1:] - y[:-1] - 0.5 * h * (t[:-1] + t[1:]))
+    strange = left > ASIDE * h + noise
     if each:
-        known = before is not None and length > 0.0
-        first, h_first = (before.tangent, length) if before is not None and known else (here[0], np.inf)
-        earlier, h_before = np.vstack([first, here[:-1]]), np.concatenate([[h_first], chunk.lengths[1:-1]])[:, None]
-        steepest = np.maximum(np.abs(here), np.abs(after))
-        foretold = here + (here - earlier) * (h / h_before)
-        strays = np.abs(after - foretold) > STRAY * np.maximum(steepest, np.abs(earlier))
-        strays[0] &= known
-        apart = left > UNEXPLAINED * np.maximum(steepest * chord, np.abs(moved))
-        y = np.abs(chunk.z / scale)
-        vanished = (y[1:] < VANISHED * y[:-1]) & (np.abs(after) < VANISHED * np.abs(here)) & (np.abs(moved) > noise)
-        apart = (apart | strays) & (np.abs(moved) > max(noise, COUNTS)) | vanished
+        steepest = np.maximum(slopes[:-1], slopes[1:])
+        apart = left > UNEXPLAINED * np.maximum(steepest * h, moved)
+        bend = (t[1:] - t[:-1]) / h
+        apart[1:] |= np.abs(bend[1:] - bend[:-1]) * h[1:] > STRAY * np.maximum(steepest[1:], slopes[:-2])
+        if before is not None and length > 0.0:
+            change = np.abs(bend[0] - (t[0] - before.tangent) / length) * h[0]
+            apart[0] |= change > STRAY * np.maximum(steepest[0], np.abs(before.tangent))
+        size = np.abs(y)
+        vanished = (size[1:] < VANISHED * size[:-1]) & (slopes[1:] < VANISHED * slopes[:-1]) & (moved > noise)
+        apart &= moved > max(noise, COUNTS)
+        apart |= vanished
         apart[:, :-1] &= angle_periods == 0.0
-        strange = strange | apart.any(axis=1)[:, None]
-    rows = np.flatnonzero(strange & (h > SHORT))
+        strange |= apart
+    if not strange.any():
+        return None
+    rows = np.flatnonzero(strange.any(axis=1) & (h[:, 0] > SHORT))
     return int(rows[0]) if rows.size else None
