@@ -281,7 +281,7 @@ class Arm:
 
     def _foretold(self, chunk: Chunk, origin: Sample, before: Sample | None, frame: Frame) -> Iterator[Segment]:
         """Where the corrector has failed, the end that the branch was near instead of that failure."""
-        if chunk.stop is not Stop.CORRECTOR:
+        if chunk.stop not in (Stop.CORRECTOR, Stop.NOT_FINITE):
             return
         if len(chunk) > 1:
             origin, before = chunk.sample(-1), chunk.sample(-2)

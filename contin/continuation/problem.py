@@ -270,6 +270,10 @@ class Problem(ABC):
         """The first of the rows z at which the equations, an approximation, do not hold, and why."""
         return None
 
+    def past_half(self, z: Array) -> int | None:
+        """The first of the rows z, on curves of cycles of maps, before which cycles of half the period were passed."""
+        return None
+
     def end_at(self, point: Verified) -> End | None:
         """The end of a curve that has come to this labelled point, its last row; None where it goes on."""
         return None

@@ -38,6 +38,7 @@ class Diagram(BranchesByName):
     explorer: Any = None
     stopped: bool = False  # by the user
     unfinished: list[str] = field(default_factory=list)  # those of the notes that say what a budget left
+    failed: list[str] = field(default_factory=list)  # starts from which no branch could be followed; a note says why
 
     @property
     def graph(self) -> MultiGraph:

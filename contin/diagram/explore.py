@@ -120,7 +120,7 @@ class Explorer:
             task = queue.popleft()
             branch = None
             try:
-                with noted(_teller(diagram, task.name)):
+                with noted(_teller(diagram, task.name, failed=not task.born_at)):
                     branch = self._follow(diagram, task, began + self.budget.seconds)
                 if branch is None:
                     continue
@@ -304,6 +304,12 @@ def _work(budget: Budget) -> str:
     return f"{budget.work:g} points times unknowns"
 
 
-def _teller(diagram: Diagram, name: str) -> Callable[[str], None]:
-    """Appends texts to the notes of the diagram, each under this name."""
-    return lambda text: diagram.notes.append(f"{name}: {text}")
+def _teller(diagram: Diagram, name: str, failed: bool = False) -> Callable[[str], None]:
+    """Appends texts to the notes of the diagram, each under this name; the name of a start, to those that `failed`."""
+
+    def tell(text: str) -> None:
+        diagram.notes.append(f"{name}: {text}")
+        if failed:
+            diagram.failed.append(name)
+
+    return tell

@@ -7,7 +7,7 @@ import numpy as np
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Jet
 from contin.normalforms.later import Later
-from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.result import DEGENERATE, TRUST, NormalForm
 from contin.normalforms.static import StateError, quadratic_error, state, static_pair
 
 
@@ -36,5 +36,9 @@ def cusp(jet: Jet) -> NormalForm:
     manifold = CentreManifold(jet, [pair])
     c = manifold.g((3,), 0).real
     error = TRUST * manifold.magnitude((3,), 0)
-    words = "cusp" if abs(c) > error else "cusp, cubic coefficient zero to its estimated error (swallowtail)"
-    return NormalForm("CP", {"c": c}, words, {"q": pair.right, "p": pair.left}, {"c": error})
+    coefficients: dict[str, object] = {"c": c}
+    words = "cusp"
+    if abs(c) <= error:  # a swallowtail, or equilibria that are not isolated
+        coefficients["case"] = DEGENERATE
+        words += ", cubic coefficient zero to its estimated error (swallowtail)"
+    return NormalForm("CP", coefficients, words, {"q": pair.right, "p": pair.left}, {"c": error})

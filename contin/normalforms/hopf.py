@@ -10,7 +10,7 @@ from contin.machine import elementary
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Complex, Jet, Real, mass_of
 from contin.normalforms.linear import EigenPair, eigen_pair, eigenvalues, null_pair
-from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts, sense
+from contin.normalforms.result import DEGENERATE, TRUST, NormalForm, NotThisTypeError, parts, sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +137,8 @@ def generalised_hopf(jet: Jet, omega: float | None = None) -> NormalForm:
         f", outer cycle {outer} on the centre manifold" if outer else ", l2 zero to its estimated error"
     )
     coefficients = {"l2": l2, "omega": float(manifold.values[0].imag), "c1": parts(c1), "c2": parts(c2)}
+    if not outer:
+        coefficients["case"] = DEGENERATE
     return NormalForm("GH", coefficients, words, {"q": manifold.right[0], "p": manifold.left[0]}, {"l2": error})
 
 

@@ -24,6 +24,7 @@ FEW = 64  # entries of a matrix that are equilibrated as Python's numbers
 MISLED = 1e-6  # of the largest entry: a matrix that makes as much of a unit vector does not take it to zero, ...
 CLOSER = 1e-3  # ... where there is one of which it makes this part of it
 SWEEPS = 12  # over rows and columns, at most, after which they change no more
+UNLINKED = 1e-300  # a coupling this small beside the one back is none: their ratio has no value
 REFINED = 2  # times by the two-sided Rayleigh quotient, whose error is cubed each time
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
 
@@ -114,7 +115,7 @@ def balance(matrix: Vector) -> Real:
     for _ in range(SWEEPS):
         scaled = size * d / d[:, None]
         rows, columns = scaled.sum(axis=1), scaled.sum(axis=0)
-        linked = (rows > 0) & (columns > 0)
+        linked = (rows > UNLINKED * columns) & (columns > UNLINKED * rows)
         unbalance = np.where(linked, rows, 1.0) / np.where(linked, columns, 1.0)
         step = root_power(unbalance, 4)
         if np.all(step == 1.0):

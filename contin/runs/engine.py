@@ -34,6 +34,9 @@ class Found(Protocol):
     @property
     def stopped(self) -> bool: ...
 
+    @property
+    def failed(self) -> Sequence[str]: ...
+
     def as_data(self) -> Record: ...
 
 

@@ -99,6 +99,8 @@ def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) ->
             state.add(_shown(branch, diagram.spectra))
         state.notes.extend(found.notes)
         state.diagram = found.as_data()
+        if found.failed:
+            state.complete = False
         if found.stopped:
             state.stop()
 

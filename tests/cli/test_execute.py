@@ -48,7 +48,7 @@ class Double:
         class Found:
             branches = [branch("low/BP1", {"p": [0.0, 1.0], "x": [0.0, 1.0]}, [special("HB", "HB1", 0, {})])]  # noqa: RUF012
             notes = ["a note of the explorer"]  # noqa: RUF012
-            stopped = False
+            stopped, failed = False, ()
 
             def as_data(self):
                 return {"parameter": "p", "range": [0.0, 1.0], "branches": ["low/BP1"]}

@@ -5,6 +5,7 @@ counted, so that between the unlabelled rows around a label it may change by one
 """
 
 import pytest
+import yaml
 
 from tests.cli.calls import call, results, run_file
 
@@ -55,3 +56,18 @@ def test_a_change_without_a_label_is_exit_code_1_and_a_note(tmp_path, rate, chan
     assert branch["points"] == []
     assert changes(branch) == int(changed)
     assert code == int(changed)
+
+
+def test_a_start_from_which_no_branch_can_be_followed_is_exit_code_1(tmp_path):
+    model = {  # of the circle of equilibria x^2 + y^2 = 1 no point has a unique tangent
+        "contin": 1, "name": "circle", "states": {"x": 1.0, "y": 0.0}, "parameters": {"p": 0.0},
+        "equations": {"x": "x*(1 - x^2 - y^2)", "y": "y*(1 - x^2 - y^2)"},
+    }  # fmt: skip
+    out = tmp_path / "out.json"
+    diagram = {"parameter": "p", "range": [-1, 1]}
+    path = tmp_path / "run.yaml"
+    path.write_text(yaml.safe_dump({"contin": 1, "model": model, "diagram": diagram}, sort_keys=False))
+    assert call("run", path, "--json", out) == 1
+    document = results(out)
+    assert document["branches"] == []
+    assert any("singular" in note for note in document["notes"])

@@ -171,6 +171,12 @@ def test_second_lyapunov_coefficient_survives_a_change_of_coordinates(seed, unit
     form = generalised_hopf(jet).coefficients
     assert form["l2"] == pytest.approx(c2.real / length(T) ** 4, rel=1e-5)
     assert abs(form["c1"][0]) < 1e-8 * abs(form["c1"][1])
+    assert "case" not in form
+
+
+def test_a_generalised_hopf_point_without_a_fifth_order_coefficient_says_so():
+    jet, _ = hide(rotation_field(1.3j, {1: 0.7j, 3: -1.0}), [-0.9], np.random.default_rng(1), 5)
+    assert generalised_hopf(jet).coefficients["case"] == "degenerate"
 
 
 def test_bautin_normal_form_and_its_curve_of_folds():

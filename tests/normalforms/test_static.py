@@ -50,7 +50,13 @@ def test_cusp_coefficient_survives_a_change_of_coordinates_and_units(seed, kind,
     centre = [{(1,): 1.0 if kind == "map" else 0.0, (3,): c}]
     jet, T = hide(centre, [0.3, -0.6] if kind == "map" else [-1.0, 0.7], rng, 3, kind=kind, units=units)
     assert cusp(jet).coefficients["c"] == pytest.approx(c / signed(T[:, 0]) ** 2, rel=1e-6)
+    assert "case" not in cusp(jet).coefficients
     assert "cusp" in fold(jet).words  # a = 0 is recognised against its summands
+
+
+def test_a_cusp_without_a_cubic_coefficient_says_so():
+    jet, _ = hide([{(1,): 0.0, (4,): 1.3}], [-1.0, 0.7], np.random.default_rng(1), 4)
+    assert cusp(jet).coefficients["case"] == "degenerate"
 
 
 @pytest.mark.parametrize("units", UNITS)

@@ -28,6 +28,7 @@ from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
 from contin.problems.state_columns import state_columns
 from contin.simulate.reach import has_reach, left_reach
+from contin.systems.iterate import IteratedSystem, halves_change_places
 from contin.systems.protocol import is_timeless
 
 CHUNK = 250  # rows after which the border is looked at again
@@ -244,6 +245,12 @@ class LocusProblem(CurveOfPoints):
         p = np.tile(self.base, (len(z), 1))
         p[:, list(self.curve.places)] = z[:, -len(self.curve.places) :]
         return left_reach(self.system, z[:, : self.n], p)
+
+    def past_half(self, z: Array) -> int | None:
+        """Where the two halves of a cycle have changed places from one row to the next."""
+        if not isinstance(self.system, IteratedSystem) or self.system.times % 2:
+            return None
+        return halves_change_places(self.system, z[:, : self.n], [self.curve.full_parameters(row) for row in z])
 
     def columns(self, z: Array) -> dict[str, Array]:
         def parameters() -> Array:

@@ -237,11 +237,11 @@ class EquilibriumProblem(AlgebraicEquations):
         return not (self._opaque or self.system.n_switches)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        return self._described(self._turning(special_points.verify(self, type_, near, frame), near, frame), frame)
+        return self.described(self._turning(special_points.verify(self, type_, near, frame), near, frame), frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = (self._turning(item, a, frame) for item in special_points.verify_compound(self, a, b, frame))
-        return [self._described(item, frame) for item in found]
+        return [self.described(item, frame) for item in found]
 
     def _turning(self, found: Outcome, near: Sample, frame: Frame) -> Outcome:
         """A fold of a user's function only where the curve itself turns: its derivatives may be wrong."""
@@ -253,7 +253,8 @@ class EquilibriumProblem(AlgebraicEquations):
         why = no_fold(lambda z: self.linearise(z)[0], here, found.z, frame.scale)
         return found if why is None else Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
 
-    def _described(self, found: Outcome, frame: Frame) -> Outcome:
+    def described(self, found: Outcome, frame: Frame) -> Outcome:
+        """What was found with its normal form; nothing where it lies where the branch ends."""
         if not isinstance(found, Verified):
             return found
         if any(f.singular and f.heights(found.z[None], frame.scale)[0] <= ON_FLOOR for f in self.floors):

@@ -33,6 +33,7 @@ from contin.problems.dense_march import DenseMarch
 from contin.problems.equilibria import special_points
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.equilibria.fixed_points import OfFixedPoints
+from contin.problems.maps import unrolled
 from contin.special.table import test_on_branch
 from contin.systems.iterate import IteratedSystem
 
@@ -188,10 +189,17 @@ class CycleProblem(OfFixedPoints):
         return test_on_branch(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        found: Outcome
         try:
-            return self._lifted(self.inner.verify(type_, self._inner_sample(near), self._inner_frame(frame)))
+            found = self._lifted(self.inner.verify(type_, self._inner_sample(near), self._inner_frame(frame)))
         except np.linalg.LinAlgError:  # a point from which the iterates escape
-            return Rejected("the iterates beside this point are not finite")
+            found = Rejected("the iterates beside this point are not finite", suspect=True)
+        return unrolled.sharper(self, found, type_, near, frame)
+
+    def with_iterates_form(self, point: Verified, frame: Frame) -> Outcome:
+        """A point in all points of the cycle, with the normal form of the iterate."""
+        found = self.inner.described(replace(point, z=self.first(point.z)), self._inner_frame(frame))
+        return replace(found, z=point.z, eigenvalues=point.eigenvalues) if isinstance(found, Verified) else found
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         sides = self._inner_sample(a), self._inner_sample(b)

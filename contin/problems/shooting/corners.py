@@ -28,6 +28,8 @@ BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is t
 BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
 AT_BASE = 1e-2  # of half the longest stretch between crossings: the first node is at one
 BACK = 1e-3  # (arclength) how far before it the search for a corner begins
+ALIKE = 1e-6  # distance from 1 of a multiplier that stays 1
+STANDS = 1e-9  # part of the tangent in the parameter's direction that is rounding
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
 
@@ -43,7 +45,7 @@ def verify_corner(problem: ShotEquations, a: Sample, b: Sample, frame: Frame) ->
     before, after = signature(problem, a.z), signature(problem, b.z)
     if before is None or after is None or before == after:
         return None
-    if (_beyond_one(a) + _beyond_one(b)) % 2:
+    if (_beyond_one(a) + _beyond_one(b)) % 2 and not (_in_continuum(a) or _in_continuum(b)):
         near, arm, other = (a, before, after) if len(before) < len(after) else (b, after, before)
         corner, width = grazing(problem, near, arm, other, frame) or _locate(problem, a, before, frame, b)
         return _fold(problem, corner, a, min(a.unstable, b.unstable), width, frame)
@@ -55,6 +57,15 @@ def at_corner(problem: ShotEquations, z: Array, tangent: Array, scale: Array) ->
     here = signature(problem, z)
     raw = np.where(tangent == 0.0, 0.0, tangent * scale)
     return any(signature(problem, z + side * s * raw) != here for s in BESIDE for side in (1.0, -1.0))
+
+
+def _in_continuum(sample: Sample) -> bool:
+    """True where orbits beside this one exist at the same parameter: rounding has the sign of the parameter's share.
+
+    So do the cycles of a centre, where equations are linear on a side of a surface.
+    """
+    near = np.sort(np.abs(sample.eigenvalues - 1.0))
+    return len(near) > 1 and bool(near[1] < ALIKE) and abs(float(sample.tangent[-1])) < STANDS
 
 
 def _beyond_one(sample: Sample) -> int:
@@ -101,7 +112,7 @@ def cross_corner(
             sense = np.sign(float(beyond.tangent @ t)) or 1.0
             beyond = Sample(beyond.z, sense * beyond.tangent, beyond.tests * [sense, sense, 1.0, 1.0], beyond.unstable,
                             beyond.eigenvalues)  # fmt: skip
-            if beyond.tangent[-1] * last.tangent[-1] > 0.0:
+            if beyond.tangent[-1] * last.tangent[-1] > 0.0 or _in_continuum(last) or _in_continuum(beyond):
                 return beyond, None
             stable = min(last.unstable, beyond.unstable)
             there = signature(problem, beyond.z)

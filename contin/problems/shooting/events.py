@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
+from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.equilibria.special_points import nearest_pair
 from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
@@ -28,6 +29,9 @@ FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, b
 RESIDUAL_LIMIT = 1e-8
 SAFETY = 2.0  # of errors that are differences of two approximations
 REAL = 1e-4  # imaginary part of multipliers that are real and equal but for rounding
+BESIDE = 1e-2  # arclength (scaled) to orbits that are looked at beside a fold
+STANDING = 1e-10  # of the range: a parameter that changes less between them stands; that of a fold changes as 1e-4
+ALIKE = 1e-6  # distance from 1 of a multiplier that stays 1
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
@@ -68,6 +72,8 @@ def verify(problem: ShotEquations, type_: str, near: Sample, frame: Frame) -> Ou
     gap = distance(others, targets)
     if not gap < UNCLEAR:
         return Rejected(f"{type_} not labelled: the critical multiplier is off by {gap:.1e}")
+    if type_ == "LPC" and problem.system.n_switches and _in_continuum(problem, replace(near, z=found.z), frame):
+        return Rejected("no folds are labelled where orbits form a continuum at one value of the parameter")
     width = float(frame.scale[-1])
     error = 1e-12 * width if isinstance(rough, Rejected) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
     error = SAFETY * (error + found.error * width)
@@ -76,6 +82,21 @@ def verify(problem: ShotEquations, type_: str, near: Sample, frame: Frame) -> Ou
         vectors={"theta": theta, "kernel": kernel},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
+
+
+def _in_continuum(problem: ShotEquations, here: Sample, frame: Frame) -> bool:
+    """True where orbits on a side of this one have its parameter and the multiplier 1 as well.
+
+    As the cycles of a centre do, where equations are linear on a side of their surfaces.
+    """
+    width = float(frame.scale[-1])
+    for length in (-BESIDE, BESIDE):
+        beside = problem.probe(here, length, here.z + length * frame.scale * here.tangent, frame, Settings())
+        if beside is None or abs(float(beside.z[-1] - here.z[-1])) > STANDING * width:
+            continue
+        if distance(nontrivial(problem, beside.eigenvalues), (1.0,)) < ALIKE:
+            return True
+    return False
 
 
 def _repeats(problem: ShotEquations, sample: Sample) -> bool:

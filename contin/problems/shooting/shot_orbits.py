@@ -31,6 +31,7 @@ from contin.problems.shooting.renewal import cut_where_oblique, renew
 from contin.problems.shooting.sampling import measured, measures, why_not
 from contin.problems.shooting.shot_equations import ShotEquations
 from contin.problems.shooting.signature import signature
+from contin.problems.shooting.sliding_end import comes_to_slide
 
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 PROBE_TOLERANCE = 1e-10
@@ -42,7 +43,10 @@ class ShootingProblem(ShotEquations):
     """The equations of `ShotEquations`, followed by the march in Python; cost of a Newton step as there."""
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-        """The connecting orbit that the family was near when its corrector failed."""
+        """What the family was near when its corrector failed: a connecting orbit, a surface along which it slides."""
+        end = comes_to_slide(self, origin)
+        if end is not None:
+            return Renewal(frame.scale, origin, before, None, end)
         found = None if before is None or not self.autonomous else foretold(self, origin, before, frame)
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, None, found.point)
 

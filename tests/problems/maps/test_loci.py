@@ -49,3 +49,37 @@ def test_the_strong_resonances_lie_on_the_line_of_unit_area(line):
     np.testing.assert_allclose(tori.columns["be"], 1, atol=1e-10)
     found = {p.type: p.values["al"] for p in tori.points}
     assert found == pytest.approx({"R1": -1, "R2": 3, "R3": 1.25, "R4": 0}, abs=1e-9)
+
+
+def test_folds_of_doubled_cycles_end_where_they_meet_the_fixed_point():
+    """x' = -(1 + p) x + q x^3 + x^5 has two-cycles +-x with p = q x^2 + x^4, whose folds p = -q^2/4 end at GPD.
+
+    Beyond it the same cycles follow from their other point, with every label once more.
+    """
+    model = Model(
+        "flip", kind="map", states={"x": 1.0}, parameters={"p": -0.3, "q": -2.0},
+        equations={"x": "-(1 + p)*x + q*x^3 + x^5"},
+    )  # fmt: skip
+    cycles = contin.continuation(contin.equilibrium(model, {"x": 1.3}, period=2), "p", (-1.5, 1.0))
+    folds = contin.continuation(cycles["LP1"].locus(), ("p", "q"), {"p": (-3, 1), "q": (-3, 3)})
+    p, q = folds.columns["p"], folds.columns["q"]
+    np.testing.assert_allclose(p, -(q**2) / 4, atol=1e-10)
+    assert {end.reason for end in folds.ends} == {"bound", "joined"}
+    row = -1 if folds.ends[1].reason == "joined" else 0
+    assert abs(q[row]) < 1e-2
+    assert len(np.unique(np.sign(folds.columns["x"]))) == 1
+    assert folds.points == ()
+
+
+def test_tori_of_doubled_cycles_end_at_the_resonance_of_the_fixed_point():
+    """x' = y, y' = z, z' = M + B x + .7 y - z^2: -1 is double at M = .014375, B = .85, where no label repeats."""
+    model = Model(
+        "delayed", kind="map", states={"x": 0.0, "y": 0.0, "z": 0.0}, parameters={"M": 0.0, "B": 0.7},
+        equations={"x": "y", "y": "z", "z": "M + B*x + 0.7*y - z^2"},
+    )  # fmt: skip
+    torus = contin.diagram(model, "M", (-0.1, 0.1))["start/PD1"]["NS1"]
+    curve = contin.continuation(torus.locus(), ("M", "B"), {"M": (-2, 1.1), "B": (-1.5, 1.5)})
+    assert [end.reason for end in curve.ends] == ["joined", "bound"]
+    np.testing.assert_allclose(curve.z[0, [-1, -2]], [0.014375, 0.85], atol=2e-2)
+    assert sorted(point.type for point in curve.points) == ["R2", "R3", "R4"]
+    assert curve.notes == ()

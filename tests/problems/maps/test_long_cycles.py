@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 import contin
+from contin.continuation.outcome import Rejected, Verified
+from contin.continuation.sample import Frame, Sample
 from contin.lowering import compile_system
+from contin.problems.maps.unrolled import sharper
 from contin.systems import iterate as iterates
 
 
@@ -48,3 +51,42 @@ def test_compiled_iterates_are_those_by_the_chain_rule(k):
     ahead, behind = (system.value(u, p + np.array([s * step, 0.0])) for s in (1.0, -1.0))
     np.testing.assert_allclose(np.atleast_2d(slopes)[:, 2], (ahead - behind) / (2 * step), rtol=1e-6, atol=1e-8)
 
+
+
+def beside_a_fast_state(states, equations, rate):
+    """The map with a state that grows by `rate` a step along what it had, which is coupled both ways and stays zero."""
+    name = next(iter(states))
+    own = {key: f"{text} + w" for key, text in equations.items()}
+    return {**states, "w": 0.0}, {**own, "w": f"{rate}*w + w*{name}"}
+
+
+def test_fold_and_doubling_of_a_three_cycle_are_exact_beside_a_multiplier_of_1e10():
+    """Places were known to 1e-5 only: the third iterate's rounding errors are 1e10 times the map's."""
+    states, equations = beside_a_fast_state({"x": 0.149}, {"x": "r*x*(1 - x)"}, 3000)
+    model = contin.Model("logistic", kind="map", states=states, parameters={"r": 3.84}, equations=equations)
+    start = contin.equilibrium(model, {"x": 0.149}, {"r": 3.84}, period=3)
+    branch = contin.continuation(start, "r", (3.82, 3.845))
+    fold, doubling = branch["LP1"], branch["PD1"]
+    assert abs(fold.z[-1] - (1.0 + np.sqrt(8.0))) <= fold.error < 1e-12
+    assert abs(doubling.z[-1] - 3.8414990075435078) <= doubling.error + 1e-15
+    assert doubling.error < 1e-12
+
+
+def test_points_that_the_iterate_cannot_place_are_found_in_all_points_of_the_cycle():
+    """x' = y, y' = z, z' = M + .7 x + .7 y - z^2: on its two-cycle NS at M = 1439/19600 and PD at M = 1.495."""
+    model = contin.Model(
+        "delayed", kind="map", states={"x": 0.0, "y": 0.0, "z": 0.0}, parameters={"M": 0.0},
+        equations={"x": "y", "y": "z", "z": "M + 0.7*x + 0.7*y - z^2"},
+    )  # fmt: skip
+    cycles = contin.diagram(model, "M", (-0.1, 1.4951))["start/PD1"]
+    for label, place, unstable in (("NS1", 1439 / 19600, 0), ("PD1", 1.495, 1)):
+        point = cycles[label]
+        beside = point.z + 1e-5 * np.cos(np.arange(len(point.z)))
+        near = Sample(beside, point.tangent, np.empty(4), 0, point.eigenvalues)
+        lost = Rejected("lost in rounding", suspect=True)
+        found = sharper(cycles.problem, lost, point.type, near, Frame(point.scale))
+        assert isinstance(found, Verified)
+        assert abs(found.z[-1] - place) <= found.error < 1e-12
+        assert found.unstable == unstable
+        np.testing.assert_allclose(found.z, point.z, rtol=1e-12)
+        assert found.normal_form["criticality"] == point.normal_form["criticality"]

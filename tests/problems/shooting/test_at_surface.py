@@ -26,3 +26,35 @@ def test_orbits_of_mckeans_neuron_begin_and_end_where_its_equilibrium_meets_a_co
     assert "v - a/2 = 0" in family.ends[0].text
     assert not family.notes
     assert np.all(np.isfinite(family.columns["v.max"]))
+
+
+def test_an_oscillator_on_a_belt_ends_where_its_orbit_comes_to_the_belts_speed():
+    """Grazing-sliding: the largest speed of the slipping cycle is the belt's at vb = 1.1238847028 (DOP853, 1e-12)."""
+    belt = Model(
+        "belt", states={"x": 1.0, "v": 0.0}, parameters={"vb": 1.15},
+        definitions={"vr": "v - vb"},
+        equations={"x": "v", "v": "-x - sign(vr)*(1 - 1.42*abs(vr) + 0.33*abs(vr)^3)"},
+    )  # fmt: skip
+    cycle = contin.periodic_orbit(belt, {"x": -0.1, "v": 0.0})
+    family = contin.continuation(cycle, "vb", (1.1, 1.16))
+    [end] = [end for end in family.ends if end.reason != "bound"]
+    assert end.reason == "surface"
+    assert "v - vb = 0" in end.text
+    assert abs(end.data["at"]["vb"] - 1.1238847028) < 1e-7
+
+
+def test_cycles_of_a_centre_beside_a_surface_are_no_fold():
+    """Chua's circuit: linear for x > 1, where at the Hopf point all cycles exist at once, up to the one that grazes."""
+    chua = Model(
+        "chua", states={"x": 1.8, "y": 0.0, "z": -1.8}, parameters={"al": 6.8, "be": 14.87, "a": -1.27, "b": -0.68},
+        equations={
+            "x": "al*(y - x - (b*x + (a - b)*(abs(x + 1) - abs(x - 1))/2))", "y": "x - y + z", "z": "-be*y",
+        },
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(chua), "al", (6.5, 7.0))
+    family = contin.continuation(line["HB1"].switch(), "al", (6.5, 7.0))
+    assert family.points == ()
+    al, low = family.columns["al"], family.columns["x.min"]
+    assert np.ptp(al[low > 1.0]) < 1e-9
+    assert al[-1] == 7.0
+    assert low[-1] < 1.0
