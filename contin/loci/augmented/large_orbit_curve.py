@@ -21,21 +21,24 @@ from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
 from contin.loci.augmented.curve_equations import TURNS, Bounds, Near
 from contin.loci.augmented.large_orbits import LargeOrbitBase
+from contin.loci.augmented.tests_of_large_orbits import graded
+from contin.loci.orbits import criticality
 from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.without_coefficients import with_remark
 from contin.machine import elementary
 from contin.problems.large_orbits.codimension_two import why_none, with_coefficients
-from contin.problems.large_orbits.multipliers import critical_index, stay_outside
+from contin.problems.large_orbits.multipliers import REAL, critical_index, critical_pair, stay_outside
 from contin.problems.large_orbits.radau import Trajectory
 from contin.problems.orbits.hopf_end import cut_at_birth, has_shrunk, is_growing
 from contin.problems.orbits.zero_of_test import Zero, zero_of_test
+from contin.records import Fields
 from contin.special.table import tests_of_orbits
 
 RESIDUAL_LIMIT: Final = 1e-5  # of a test, which are of order one
 POLE: Final = 0.1  # of a coefficient as part of its terms: it does not vanish there
 SAFETY: Final = 2.0  # of the change to a finer mesh, which has an error of its own
 BRACKET: Final = 1e-3  # (scaled arclength) half-width, within which an event has been isolated
-MEETING: Final = 0.95  # |cos theta| from which a curve of tori that ends does so where its pair meets
+ONLY_TORI: Final = ("LPNS", "PDNS", "NSNS", "R3", "R4")  # none of two real multipliers with product 1
 GRADED: Final = ("CPC", "GPD", "CH")  # which the coefficient tells
 FEW: Final = {"pairs": 2, "flips": 1, "ones": 1}
 KINDS: Final = ("pairs", "flips", "ones")
@@ -55,6 +58,7 @@ class LargeOrbitCurve(AugmentedCurve):
 
     base: LargeOrbitBase
     _last: LastNear = field(default_factory=LastNear)
+    critical: Fields = field(default_factory=dict)  # what `criticality` remembers
 
     adaptive = True
 
@@ -65,16 +69,26 @@ class LargeOrbitCurve(AugmentedCurve):
             last.asked = asked
             last.near = self.beside(base.z, frame).near(base.z, frame.scale)
         found = None if last.near is None else python_march.probe(last.near, base, length, guess, frame, settings)
-        if found is not None:
-            found.tests[:TURNS] = 1.0
-        return found
+        if found is None:
+            return None
+        found.tests[:TURNS] = 1.0
+        return criticality.measured(self, found, frame.scale) if criticality.is_measured(self, base) else found
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: Bounds, settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = criticality.cut_at_change(self, chunk, frame.scale)
         return cut_at_birth(self, chunk, frame, settings)
+
+    def further(self, z: Array) -> float:
+        """`critical_coefficient` itself has no value for two real multipliers."""
+        return 0.0
+
+    def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
+        """c of PD or Re d of NS as part of the terms that it is made of, and 1."""
+        return graded(self.base.at(z), self.base.inner(z), self.type), 1.0
 
     # orbits that shrink to a Hopf point -------------------------------------------------------------------------------
 
@@ -119,18 +133,21 @@ class LargeOrbitCurve(AugmentedCurve):
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """The zero of a test along the curve, and how far it is from that on a mesh of half the lengths."""
         index = self.test_of(type_)
-        curve = self if type_ in GRADED else replace(self, base=replace(self.base, graded=False), _last=LastNear())
-        zero = None if index is None else zero_of_test(curve, near, frame, index, BRACKET)
+        if type_ not in GRADED and self.type in criticality.SLOTS:  # the coefficient is not asked for
+            near = replace(near, tests=np.append(near.tests[: criticality.SLOTS[self.type]], np.nan))
+        zero = None if index is None else zero_of_test(self, near, frame, index, BRACKET)
         if index is None or zero is None:
             return unverified(type_, "its test function has no zero nearby")
         found = zero.sample
+        if self.type == "NS" and type_ in ONLY_TORI and self._is_neutral(found.eigenvalues):
+            return NOTHING
         if type_ in ("GPD", "CH") and zero.value > POLE:
             return NOTHING  # a pole, at a strong resonance
         if type_ == "CPC" and has_shrunk(self, found.z, frame.scale):
             return NOTHING  # the curve turns round at its generalised Hopf point
         if not zero.value <= RESIDUAL_LIMIT:
             return unverified(type_, f"its test function jumps across zero (residual {zero.value:.1e})")
-        finer = curve._on_finer_mesh(found, frame, index)
+        finer = self._on_finer_mesh(found, frame, index)
         if finer is None:
             return unverified(type_, "it is not there on a mesh of half the lengths")
         there, fine = finer
@@ -179,22 +196,27 @@ class LargeOrbitCurve(AugmentedCurve):
         return bool(np.all(np.abs(a.z[-2:] - b.z[-2:]) <= slack))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        untold = self._untold(z[len(z) // 2])
-        if self.type != "NS":
+        neutral = np.array([self.type == "NS" and self._is_neutral(values) for values in eigenvalues])
+        tori = np.flatnonzero(~neutral)
+        untold = self._untold(z[tori[len(tori) // 2]]) if tori.size else ()
+        if not neutral.any():
             return (*self.words, *untold)
-        resonances = []
-        for values in (eigenvalues[0, 1:], eigenvalues[-1, 1:]):
-            critical = values[int(np.argmin(np.abs(np.abs(values) - 1.0)))]
-            if abs(critical.real) > MEETING:
-                resonances.append("1:1" if critical.real > 0.0 else "1:2")
-        words = [
-            f"an end is near a {one} resonance, which curves of NS of large orbits do not pass" for one in resonances
-        ]
-        return (*self.words, *untold, *words)
+        rows = f"{int(neutral.sum())} of {len(z)} rows of this curve have"
+        beyond = f"{rows} two real multipliers with product 1 (beyond R1 or R2): no tori are born there"
+        return (*self.words, *untold, beyond)
+
+    @staticmethod
+    def _is_neutral(eigenvalues: NDArray[np.complex128]) -> bool:
+        """True where two real multipliers with product 1 stand for the pair of a torus."""
+        values = eigenvalues[1:]  # without the trivial one
+        pair = critical_pair(values)
+        return pair is not None and abs(values[pair[0]].imag) <= REAL * abs(values[pair[0]])
 
     def _untold(self, z: Array) -> Sequence[str]:
         """That the coefficient, whose zero is a point of codimension two, is not known at a row."""
         name = next(name for name in tests_of_orbits(self.type) if name in GRADED)
-        if np.isfinite(self.base.stability(self.type, z)[0][-1]):
+        graded_by = self.type in criticality.SLOTS
+        value = self.critical_coefficient(z, z)[0] if graded_by else self.base.stability(self.type, z)[0][-1]
+        if np.isfinite(value):
             return ()
         return (f"{name} is not looked for: its coefficient is not told from rounding in the middle of the curve",)

@@ -2,9 +2,10 @@
 
 PD : g = 0 of [M + 1, b; c^T, 0] [v; g] = [0; 1], which is smooth where a second multiplier is -1; dg = -<w, dM v>, w
 the left vector.
-NS : log |mu| = 0 of the multiplier mu that is followed, [M - mu, b; c^H, 0] [v; g] = [0; 1], g(mu) = 0, by
-Newton's method with g' = <w, v>; d mu = <w, dM v>/<w, v>.
-LPC : t_p = 0 of [E'; b^T] t = e_last, the tangent of the family in the first parameter; E' dt = -dE' t.
+NS : log |mu_1 mu_2| = 0 of the two multipliers of an invariant plane that is followed, which is smooth where they meet,
+at resonances 1:1 and 1:2 (`contin.problems.large_orbits.invariant_plane`); beyond these they are real.
+LPC : t_p = 0 of [E'; b^T] t = e_last, the tangent of the family in the parameter along which the curve moves less;
+E' dt = -dE' t.
 
 dM v and dE' t along a direction are one way round the orbit, with the change of the linearised equations as its right
 side: differences of products with J, no factors of other orbits.
@@ -22,18 +23,17 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.branch import Parent
 from contin.continuation.seed import Seed
-from contin.linalg.krylov import gmres
 from contin.linalg.vectors import dot, norm
 from contin.loci.augmented.curve_equations import CurveEquations
-from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.elimination import Scalars, first_rows, null_space
 from contin.loci.augmented.large_orbit_curve import LargeOrbitCurve
-from contin.loci.augmented.large_orbits import LargeOrbitBase
+from contin.loci.augmented.large_orbits import LargeOrbitBase, Latest
 from contin.machine import elementary
 from contin.problems.large_orbits.cycle import Monodromy
+from contin.problems.large_orbits.invariant_plane import Across, Plane, plane_near
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.large_orbit_equations import Memory
-from contin.problems.large_orbits.multipliers import REAL, critical_index
-from contin.problems.large_orbits.sweeps import Sweeps
+from contin.problems.large_orbits.multipliers import critical_index, critical_pair, plane_of
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
@@ -41,84 +41,48 @@ if TYPE_CHECKING:
 
 Image = Callable[[LargeOrbitProblem, Array], Vector | None]
 STEP: Final = 1e-5  # of differences, relative to sizes of the metric
-SETTLED: Final = 1e-12  # correction of a multiplier
-BUDGET: Final = 8  # of corrections
-
-
-@dataclass(frozen=True, eq=False)
-class Eigenpair:
-    """A multiplier with its right vector v and left one w (w^T M = mu w^T), <w, v> = `product`."""
-
-    value: complex
-    v: Vector
-    w: Vector
-    product: complex
-
-
-def eigenpair(sweeps: Sweeps, value: complex, b: Vector, c: Vector) -> Eigenpair | None:
-    """The multiplier near `value`, by Newton's method with the borders b, c; real where they are."""
-    n = sweeps.n
-    last = np.append(np.zeros(n), 1.0).astype(np.result_type(b, c, value))
-    mu = value
-    for _ in range(BUDGET):
-
-        def forward(x: Vector, mu: complex = mu) -> Vector:
-            return np.append(sweeps.monodromy(x[:n]) - mu * x[:n] + b * x[n], np.einsum("i,i->", c, x[:n]))
-
-        def backward(x: Vector, mu: complex = mu) -> Vector:
-            return np.append(sweeps.transposed(x[:n]) - mu * x[:n] + c * x[n], np.einsum("i,i->", b, x[:n]))
-
-        right = gmres(forward, lambda r: r, last)[0]
-        left = gmres(backward, lambda r: r, last)[0]
-        slope = np.einsum("i,i->", left[:n], right[:n])
-        step = -right[n] / slope
-        if not np.isfinite(step):
-            return None
-        mu = mu + step
-        if abs(step) < SETTLED:
-            return Eigenpair(mu, right[:n], left[:n], slope)
-        if not abs(step) < 1.0:
-            return None
-    return Eigenpair(mu, right[:n], left[:n], slope) if abs(step) < np.sqrt(SETTLED) else None
 
 
 @dataclass(eq=False)
 class Followed:
-    """log |mu| of one multiplier of a pair near a point, whose vectors are the borders."""
+    """log |mu_1 mu_2| / 2 of the two multipliers of a plane that is followed."""
 
     base: LargeOrbitBase
     scale: Array
-    value: complex
-    b: Vector
-    c: Vector
-    _last: tuple[Array, Eigenpair | None] | None = field(default=None)
+    guess: Array
+    _last: tuple[Array, tuple[Across, Plane] | None] | None = field(default=None)
 
-    def _pair(self, z: Array) -> Eigenpair | None:
+    def _plane(self, z: Array) -> tuple[Across, Plane] | None:
         if self._last is None or not np.array_equal(self._last[0], z):
-            sweeps = self.base.at(z).sweeps(self.base.inner(z))
-            found = None if sweeps is None else eigenpair(sweeps, self.value, self.b, self.c)
-            if found is not None and abs(np.imag(found.value)) <= REAL * abs(found.value):
-                found = None  # the pair has met: what is real has another type
-            self._last = z.copy(), found
+            family, inner = self.base.at(z), self.base.inner(z)
+            sweeps = family.sweeps(inner)
+            across = None if sweeps is None else Across(sweeps, family.velocity(inner))
+            plane = None if across is None else plane_near(across, self.guess)
+            self._last = z.copy(), None if across is None or plane is None else (across, plane)
         return self._last[1]
 
     def __call__(self, z: Array) -> Array:
-        pair = self._pair(z)
-        return np.array([np.nan if pair is None else elementary.log(abs(pair.value))])
+        found = self._plane(z)
+        return np.array([np.nan if found is None else 0.5 * elementary.log(abs(found[1].product))])
 
     def along(self, z: Array, x: Array) -> Array:
-        pair = self._pair(z)
-        problem, inner = self.base.at(z), self.base.inner(z)
-        sweeps = problem.sweeps(inner) if pair is not None else None
-        if pair is None or sweeps is None:
+        found = self._plane(z)
+        if found is None:
             return np.full(1, np.nan)
-        d = sweeps.along(pair.v)
-        change = slope_of(self.base, z, x, self.scale, lambda family, at: family.image(at, d))
+        across, plane = found
+        one, other = (across.projected(v) for v in plane.right.T)
+        d = across.sweeps.along(one + 1j * other)  # two real ones at once
+
+        def image(family: LargeOrbitProblem, at: Array) -> Vector | None:
+            moved = family.image(at, d)
+            return None if moved is None else np.concatenate([moved.ravel(), family.velocity(at)])
+
+        change = slope_of(self.base, z, x, self.scale, image)
         if change is None:
             return np.full(1, np.nan)
-        moved = sweeps.along(np.zeros(len(pair.v)), change)[-1, 2]
-        rate = np.einsum("i,i->", pair.w, moved) / pair.product
-        return np.array([float(np.real(rate / pair.value))])
+        led = across.sweeps.along(np.zeros(len(one)), change[: d.size].reshape(d.shape))[-1, 2]
+        turned = across.change(plane.right, np.column_stack([led.real, led.imag]), change[d.size :].real)
+        return np.array([0.5 * plane.rate(turned)])
 
 
 @dataclass(eq=False)
@@ -224,6 +188,44 @@ def slope_of(base: LargeOrbitBase, z: Array, x: Array, scale: Array, image: Imag
 
 
 @dataclass(frozen=True, eq=False)
+class TurningInSecond:
+    """`Turning` of the family in the second parameter: where the curve runs along the first one, that moves no fold."""
+
+    turning: Turning
+
+    @staticmethod
+    def swapped(z: Array) -> Array:
+        return np.append(z[:-2], z[[-1, -2]])
+
+    def __call__(self, z: Array) -> Array:
+        return self.turning(self.swapped(z))
+
+    def along(self, z: Array, x: Array) -> Array:
+        return self.turning.along(self.swapped(z), self.swapped(x))
+
+
+def runs_along_first(base: LargeOrbitBase, z: Array, scale: Array) -> bool:
+    """True where a curve of folds moves further in the first parameter than in the second, each in its unit.
+
+    The null space of the equations with both parameters free has one direction that moves neither, and one along it.
+    """
+    here = base.linearise(z, scale, first_rows(2, z.size))
+    if here is None or here.sign == 0.0:
+        return False
+    moved = null_space(here, 2)[-2:]
+    if not np.all(np.isfinite(moved)):
+        return False
+    second, first = np.abs(np.linalg.svd(moved)[0][:, 0])
+    return bool(first > second)
+
+
+def in_second(base: LargeOrbitBase) -> LargeOrbitBase:
+    """The same orbits as families in the second parameter."""
+    family = replace(base.problem, active=base.second, memory=replace(base.problem.memory, solvers=None, origin=None))
+    return replace(base, problem=family, second=base.problem.active, _latest=Latest())
+
+
+@dataclass(frozen=True, eq=False)
 class Special:
     """The condition of a type of special orbits."""
 
@@ -237,24 +239,24 @@ class Special:
     def near(self, problem: CurveEquations, z: Array, scale: Array) -> Scalars:
         family, inner = self.base.at(z), self.base.inner(z)
         if self.type == "LPC":
-            own = self.base.inner(scale)
-            border = family.tangents(inner, own)[0]
-            return Turning(self.base, scale, border)
+            base, moved = self.base, TurningInSecond.swapped
+            if not runs_along_first(base, z, scale):
+                return Turning(base, scale, family.tangents(inner, base.inner(scale))[0])
+            base, z, scale = in_second(base), moved(z), moved(scale)
+            border = base.at(z).tangents(base.inner(z), base.inner(scale))[0]
+            return TurningInSecond(Turning(base, scale, border))
         values, vectors = family.multipliers(inner, exactly=True)
-        k = critical_index(values, self.type)
         sweeps = family.sweeps(inner)
+        if self.type == "NS":
+            pair = critical_pair(values)
+            return (lambda at: np.full(1, np.nan)) if pair is None else Followed(
+                self.base, scale, plane_of(values, vectors, pair)
+            )  # fmt: skip
+        k = critical_index(values, self.type)
         if k is None or sweeps is None:
             return lambda at: np.full(1, np.nan)
-        if self.type == "PD":
-            right = np.real(vectors[:, [k]])
-            borders = Monodromy.at(sweeps, -1.0, right)
-            return Flipped(self.base, scale, np.real(borders.b[:, 0]), np.real(borders.c[:, 0]))
-        v = vectors[:, k]
-        rough = eigenpair(sweeps, complex(values[k]), v / norm(v), v.conj() / norm(v))
-        if rough is None:
-            return lambda at: np.full(1, np.nan)
-        b, c = rough.w.conj() / norm(rough.w), rough.v.conj() / norm(rough.v)
-        return Followed(self.base, scale, rough.value, b, c)
+        borders = Monodromy.at(sweeps, -1.0, np.real(vectors[:, [k]]))
+        return Flipped(self.base, scale, np.real(borders.b[:, 0]), np.real(borders.c[:, 0]))
 
 
 def curve_of(problem: LargeOrbitProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent) -> Seed:

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.machine import elementary
 from contin.normalforms.cycles import coefficient
 from contin.problems.large_orbits.crossing import vertical_term
 from contin.problems.large_orbits.cycle import LargeCycle
-from contin.problems.large_orbits.multipliers import critical_index, tests_of
+from contin.problems.large_orbits.multipliers import critical_index, critical_pair, tests_of
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
@@ -30,25 +29,45 @@ CRITICAL: Final = {"LPC": 1.0, "PD": -1.0}
 
 
 def measured_at(
-    family: LargeOrbitProblem, z: Array, type_: str, graded: bool = True
+    family: LargeOrbitProblem, z: Array, type_: str
 ) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests, the number of unstable multipliers without the critical ones, all multipliers with the trivial one.
 
-    graded : False: the coefficient is NaN, which is no change of sign; so are all tests without a critical multiplier.
+    The coefficient of PD and NS is NaN, which is no change of sign (`graded` has it): it costs as much as several rows.
+    So are all tests without a critical multiplier.
     """
     values, vectors = family.multipliers(z)
     whole = np.append(1.0 + 0.0j, values)
-    k = critical_index(values, type_)
-    if k is None:  # the pair has met on the real line, say; what is critical is nearest to the unit circle
+    critical = critical_places(values, type_)
+    if critical is None:  # what is critical is nearest to the unit circle
         beside = np.argsort(np.abs(np.abs(values) - 1.0))[2 if type_ == "NS" else 1 :]
         return np.full(4 if type_ != "NS" else 8, np.nan), tests_of(values[beside])[1], whole
-    others = others_of(values, type_)
-    (pairs, flips, ones), unstable = tests_of(others)
-    cycle, value = LargeCycle.with_critical(family, z, values[k], vectors[:, k]), float("nan")
-    cosines = [float(elementary.cos(cycle.theta)) - _cosine(name) for name in COSINES] if type_ == "NS" else []
-    if graded:
-        value = _quadratic(cycle) if type_ == "LPC" else _cubic(cycle, type_)
+    (pairs, flips, ones), unstable = tests_of(others_of(values, type_))
+    k, value, cosines = critical[0], float("nan"), []
+    if type_ == "NS":
+        cosine = 0.5 * float((values[k] + values[critical[1]]).real)  # of two with product 1, real ones too
+        cosines = [cosine - _cosine(name) for name in COSINES]
+    if type_ == "LPC":
+        value = _quadratic(LargeCycle.with_critical(family, z, values[k], vectors[:, k]))
     return np.array([pairs, flips, ones, *cosines, value]), unstable, whole
+
+
+def graded(family: LargeOrbitProblem, z: Array, type_: str) -> float:
+    """c of PD or Re d of NS as part of its terms; NaN where these are rounding, and of two real multipliers."""
+    values, vectors = family.multipliers(z)
+    k = critical_index(values, type_)
+    places = critical_places(values, type_)
+    if k is None or places is None or k not in places:
+        return float("nan")
+    return _cubic(LargeCycle.with_critical(family, z, values[k], vectors[:, k]), type_)
+
+
+def critical_places(values: NDArray[np.complex128], type_: str) -> tuple[int, ...] | None:
+    """Indices of what is critical along a curve; None where no multiplier may be that."""
+    if type_ == "NS":
+        return critical_pair(values)
+    k = critical_index(values, type_)
+    return None if k is None else (k,)
 
 
 def _cosine(name: str) -> float:
@@ -61,9 +80,9 @@ def others_of(values: NDArray[np.complex128], type_: str) -> NDArray[np.complex1
     """All but the critical multipliers; next to a critical one on the real line, by their sum, which is smooth where
     both meet."""
     if type_ == "NS":
-        k = critical_index(values, type_)
-        assert k is not None
-        return np.delete(values, [k, int(np.argmin(np.abs(values - values[k].conj())))])
+        critical = critical_pair(values)
+        assert critical is not None
+        return np.delete(values, critical)
     at = CRITICAL[type_]
     order = np.argsort(np.abs(values - at))
     if len(values) > 1 and abs(values[order[1]] - at) < BESIDE:

@@ -10,7 +10,7 @@ others have no value (NaN), which is no change of sign.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -20,15 +20,18 @@ from contin.kernels.rest_of_step import are_straight
 from contin.problems.no_derivatives import NoDerivatives
 from contin.records import Fields
 
-if TYPE_CHECKING:
-    from contin.problems.orbits.mesh.layout import Profile
-
-
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
 POLES: Final = {"PD": (3, 4), "NS": (4, 5, 6)}  # tests of R2, LPPD; LPNS, R1, R2: the coefficient is infinite there
 ZERO: Final = 1e-5  # part of the values beside it that a zero must be below: at strong resonances there are poles
 UNDECIDED: Final = 1e-7  # of the terms that it is made of: a coefficient this small has no sign
 SAME: Final = 1e-9  # relative difference of parameters and period of a point that is known
+
+
+class Periodic(Protocol):
+    """An orbit."""
+
+    @property
+    def period(self) -> float: ...
 
 
 class CriticalCurve(Protocol):
@@ -43,7 +46,7 @@ class CriticalCurve(Protocol):
     def further(self, z: Array) -> float:
         """cos(theta) of tori."""
 
-    def profile(self, z: Array) -> Profile:
+    def profile(self, z: Array) -> Periodic:
         """The orbit."""
 
     def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:

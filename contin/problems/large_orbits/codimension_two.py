@@ -26,6 +26,7 @@ from contin.problems.large_orbits.radau import A
 from contin.problems.orbits.normal_forms.of_return_maps import MeasuredMap, coefficients_of
 from contin.problems.orbits.normal_forms.return_map import ReturnMap
 from contin.special.table import special_type
+from contin.systems.functions.circles import RADIUS
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
@@ -157,7 +158,9 @@ def _form(type_: str, theta: float, coarse: Orbit, fine: Orbit) -> dict[str, obj
     def rounded(_: Jet) -> Sequence[Jet]:
         return [] if wider is None else [first.with_wider_stencils(wider)]
 
-    return coefficients_of(type_, theta, (measured(maps[0]), measured(maps[1])), rounded)
+    system = coarse[0].system
+    circles = RADIUS if system.lines.analytic and system.model.written is None else 0.0
+    return coefficients_of(type_, theta, (measured(maps[0]), measured(maps[1])), rounded, circles)
 
 
 def _wider(system: FunctionSystem) -> FunctionSystem | None:

@@ -139,6 +139,30 @@ def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:
     return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None
 
 
+def critical_pair(values: NDArray[np.complex128]) -> tuple[int, int] | None:
+    """Indices of the two multipliers of a curve of torus bifurcations: complex, or real and of one sign beyond a
+    resonance 1:1 or 1:2; those with a product nearest to 1."""
+    real = np.abs(values.imag) <= REAL * np.abs(values)
+    pairs = []
+    for k in np.flatnonzero(~real & (values.imag > 0.0)):
+        partner = int(np.argmin(np.abs(values - values[k].conj())))
+        pairs.append((int(k), partner))
+    for sign in (1.0, -1.0):
+        same = np.flatnonzero(real & (sign * values.real > 0.0))
+        pairs += [(int(j), int(k)) for i, j in enumerate(same) for k in same[i + 1 :]]
+    if not pairs:
+        return None
+    products = np.array([abs(values[j]) * abs(values[k]) for j, k in pairs])
+    return pairs[int(np.argmin(np.abs(products - 1.0)))]
+
+
+def plane_of(values: NDArray[np.complex128], vectors: NDArray[np.complex128], pair: tuple[int, int]) -> Array:
+    """Two real vectors (n, 2) in the plane of a pair."""
+    one, other = vectors[:, pair[0]], vectors[:, pair[1]]
+    whole = abs(values[pair[0]].imag) > REAL * abs(values[pair[0]])
+    return np.column_stack([one.real, one.imag if whole else other.real])
+
+
 def stay_outside(a: NDArray[np.complex128], b: NDArray[np.complex128]) -> bool:
     """True where, from one orbit to another, every multiplier outside the circle moves by less than its distance."""
     moduli = (np.abs(a), np.abs(b))

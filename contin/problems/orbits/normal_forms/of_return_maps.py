@@ -6,6 +6,7 @@ stated where it is the same for both, and for maps as far beyond the one and the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -43,12 +44,12 @@ class MeasuredMap:
 
 def coefficients_of(
     type_: str, theta: float, maps: tuple[MeasuredMap, MeasuredMap],
-    rounded: Callable[[Jet], Sequence[Jet]] = lambda _: (),
+    rounded: Callable[[Jet], Sequence[Jet]] = lambda _: (), circles: float = 0.0,
 ) -> dict[str, object]:  # fmt: skip
     """The normal form of the first map in xi, w = length xi, with errors; raises one of `NO_FORM`.
 
     theta : the angle of the critical multiplier, of types with one.  rounded : the first map with other errors that the
-    second one does not show.
+    second one does not show.  circles : radius, in the sizes of the states, of those that derivatives are taken on.
     """
     jets = [each.jet for each in maps]
     critical = [_critical(type_, theta, jet) for jet in jets]
@@ -70,7 +71,18 @@ def coefficients_of(
         form = normal_form(type_, Combined(jets[0], jets[1], a, b), frequency=theta)
         others.append(_scaled(type_, form, a * lengths[0] + b * lengths[1], a * first + b * second))
     others += [_scaled(type_, normal_form(type_, jet, frequency=theta), lengths[0], first) for jet in rounded(jets[0])]
-    return _stated(type_, own, others)
+    return _stated(type_, _on_circles(type_, own, lengths[0], circles) if circles else own, others)
+
+
+def _on_circles(type_: str, own: Scaled, lengths: Array, radius: float) -> Scaled:
+    """Rounding of derivatives of order k on circles, k! eps / r^k: it decides where the others cancel, or are zero."""
+    errors = dict(own.errors)
+    for key, powers in special_type(type_).powers.items():
+        order = int(np.sum(np.abs(powers))) + 1
+        rounding = math.factorial(order) * float(np.finfo(float).eps) / elementary.pow(radius, order)
+        if key in errors:
+            errors[key] += rounding * float(np.prod(elementary.pow(lengths, powers)))
+    return replace(own, errors=errors)
 
 
 def _critical(type_: str, theta: float, jet: DerivativeJet) -> tuple[complex, ...]:

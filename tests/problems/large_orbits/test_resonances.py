@@ -1,0 +1,103 @@
+"""Curves of tori of large orbits through strong resonances, where two of them meet, and with folds, as planted."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import contin
+from tests.problems.large_orbits.test_codimension_two import LONG, MESH, agrees, found_on
+
+BORN = 0.05  # mu at which the plane's trace vanishes on r = sqrt(mu)
+
+
+def circle(x, y, mu):
+    growth = mu - x * x - y * y
+    return [growth * x - y, growth * y + x]
+
+
+def beside_a_fold(z, p):
+    """A plane v'' = k + s v' + v^2 + v v'/2: NS at s = -v/2, k = -v^2, whose flow has a Bogdanov-Takens point at 0."""
+    x, y, v, w = z
+    return np.array([*circle(x, y, p["mu"]), w, p["k"] + (p["mu"] - BORN) * w + v * v + 0.5 * v * w])
+
+
+def half_turned(z, p):
+    """w = R(phi/2) y, y' = s y + r diag(1, -1) y + h J y - |y|^2 y: multipliers -exp(2 pi (s +- sqrt(r^2 - h^2)))."""
+    x, y, v, w = z
+    s, h = p["mu"] - BORN - v * v - w * w, p["h"] + 0.5
+    return np.array([*circle(x, y, p["mu"]), s * v + x * v + y * w - h * w, s * w + y * v - x * w + h * v])
+
+
+TURNED = np.linalg.qr(np.random.default_rng(2).normal(size=(7, 7)))[0]
+C4, D4 = -0.7 - 0.4j, 0.3
+
+
+def two_planes_and_a_fold(z, p):
+    """Turned by a constant matrix: v' = (s + i omega) v + C4 |v|^2 v + D4 (x + i y) conj(v)^3, a second plane with
+    s - e and frequency .17, and u' = k + u^2."""
+    x, y, *rest, u = TURNED.T @ z
+    s, parts = p["mu"] - BORN, []
+    for (v, w), gain, turn, last in ((rest[:2], s, p["omega"], D4), (rest[2:], s - p["e"], 0.17, 0.0)):
+        q = v * v + w * w
+        a, b = v**3 - 3 * v * w * w, w**3 - 3 * v * v * w  # conj(v + i w)^3
+        re, im = gain + C4.real * q, turn + C4.imag * q
+        parts += [re * v - im * w + last * (x * a - y * b), re * w + im * v + last * (x * b + y * a)]
+    return TURNED @ [*circle(x, y, p["mu"]), *parts, p["k"] + u * u]
+
+
+def tori(residual, start, parameters, names, span, **settings):
+    """The curve of the first torus bifurcation."""
+    full = sparse.csc_matrix(np.ones((len(start), len(start))))
+    problem = contin.FunctionProblem(residual, start, {"mu": -0.05, **parameters}, sparsity=full)
+    line = contin.continuation(problem, "mu", (-0.1, 0.5), settings={"stop_at": ("HB",)})
+    orbits = contin.continuation(
+        line["HB1"].switch(), "mu", (-0.1, 0.45), settings={"intervals": 8, "stop_at": ("NS",)}
+    )
+    return contin.continuation(orbits["NS1"].locus(), names, span, settings={**LONG, **settings})
+
+
+@pytest.mark.long
+def test_tori_through_a_1_to_1_resonance_become_neutral_and_meet_folds():
+    """(mu, k) = (BORN - v/2, -v^2): for v < 0 tori, for v > 0 two real multipliers with product 1."""
+    v = -0.02
+    span = {"mu": (0.045, 0.0605), "k": (-5e-4, 1e-4)}
+    curve = tori(beside_a_fold, [0.0, 0.0, v, 0.0], {"k": -v * v}, ("mu", "k"), span)
+    (point,) = found_on(curve, ["R1"])
+    assert abs(point.values["mu"] - BORN) <= point.error + 1e-9
+    agrees(point, a=4.0 * np.pi**2)
+    mu, k = curve.columns["mu"], curve.columns["k"]
+    np.testing.assert_allclose(k, -4.0 * (mu - BORN) ** 2, atol=1e-7)
+    assert mu.min() < BORN - 0.004
+    assert any("two real multipliers with product 1" in note for note in curve.notes)
+    folds = contin.continuation(point.locus(), ("mu", "k"), {"mu": (0.045, 0.055), "k": (-1e-3, 1e-3)}, settings=LONG)
+    np.testing.assert_allclose(folds.columns["k"], 0.0, atol=1e-9)
+    assert np.ptp(folds.columns["mu"]) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("most", [3, pytest.param(500, marks=pytest.mark.long)], ids=["place", "coefficients"])
+def test_tori_through_a_1_to_2_resonance_become_neutral(monkeypatch, most):
+    monkeypatch.setattr("contin.problems.large_orbits.codimension_two.MOST", most)
+    span = {"mu": (0.04, 0.06), "h": (0.21, 0.235)}
+    curve = tori(half_turned, np.zeros(4), {"h": 0.23}, ("mu", "h"), span)
+    (point,) = curve.points
+    assert point.type == "R2"
+    assert abs(point.values["h"] - np.sqrt(BORN)) < point.error < MESH
+    if most > 4:
+        agrees(point, C1=0.0)
+    np.testing.assert_allclose(curve.columns["mu"], BORN, atol=1e-4)
+    assert curve.columns["h"].min() < 0.215
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("name", "label", "start", "span"),
+    [("e", "NSNS", 0.004, (-0.004, 0.005)), ("k", "LPNS", -4e-4, (-5e-4, 1e-3)), ("omega", "R4", 0.24, (0.235, 0.26))],
+)
+def test_second_planes_folds_and_quarters_on_curves_of_tori(monkeypatch, name, label, start, span):
+    monkeypatch.setattr("contin.problems.large_orbits.codimension_two.MOST", 3)  # places alone
+    parameters = {"e": 0.02, "k": -0.04, "omega": 0.3, name: start}
+    first = TURNED @ np.array([0, 0, 0, 0, 0, 0, -np.sqrt(-parameters["k"])])
+    curve = tori(two_planes_and_a_fold, first, parameters, ("mu", name), {"mu": (0.04, 0.06), name: span})
+    (point,) = found_on(curve, [label])
+    assert abs(point.values[name] - {"R4": 0.25}.get(label, 0.0)) < max(point.error, 1e-9) < MESH
+    assert abs(point.values["mu"] - BORN) < max(point.error, 1e-9)
