@@ -98,6 +98,7 @@ def test_second_planes_folds_and_quarters_on_curves_of_tori(monkeypatch, name, l
     parameters = {"e": 0.02, "k": -0.04, "omega": 0.3, name: start}
     first = TURNED @ np.array([0, 0, 0, 0, 0, 0, -np.sqrt(-parameters["k"])])
     curve = tori(two_planes_and_a_fold, first, parameters, ("mu", name), {"mu": (0.04, 0.06), name: span})
-    (point,) = found_on(curve, [label])
+    (point,) = curve.points
+    assert point.type == label
     assert abs(point.values[name] - {"R4": 0.25}.get(label, 0.0)) < max(point.error, 1e-9) < MESH
     assert abs(point.values["mu"] - BORN) < max(point.error, 1e-9)
