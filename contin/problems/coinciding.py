@@ -10,6 +10,10 @@ from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
 from contin.linalg.vectors import norm
 
+SEVERAL_PAIRS: Final = (
+    "HB: several pairs of eigenvalues cross at once, for which there is no normal form here; families of cycles born "
+    "there are told apart by declared symmetries alone, and without these one is followed"
+)
 SAME: Final = 1e-6  # distance in the metric within which two events are at one place
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.seed import Seed
+from contin.errors import InputError
 from contin.loci.sparse.curve import LargeCurve
 from contin.loci.sparse.large_locus import LargeLocus
 from contin.machine import elementary
@@ -23,6 +24,11 @@ from contin.transitions.registry import born
 @born(LargeProblem, "LP HB", "the curve of such points", parameters=2)
 def loci_of_point(problem: LargeProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve in two parameters through a fold or a Hopf point of a branch of equilibria."""
+    if int(point.vectors.get("kernel", 1)) > 1:  # its equations are singular all along
+        raise InputError(
+            f"{point.branch}.{point.label} has {point.vectors['kernel']} pairs of eigenvalues that cross together: its "
+            "curve is not followed"
+        )
     kappa = elementary.square(float(point.vectors["omega"])) if point.type == "HB" else 0.0
     q = np.asarray(point.vectors["q"]) if point.type == "HB" else (point.tangent * point.scale)[:-1]
     p = problem.full_parameters(point.z)

@@ -20,17 +20,12 @@ from contin.normalforms.result import STATE_ERROR, NormalForm
 from contin.normalforms.rounding import difference_errors
 from contin.normalforms.sources import jet_of
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
+from contin.problems.coinciding import SEVERAL_PAIRS
 from contin.problems.equilibria.branching import degenerate
 from contin.problems.equilibria.branching.rotated import turning_kernel
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
-
-
-SEVERAL_PAIRS = (
-    "HB: several pairs of eigenvalues cross at once, for which there is no normal form here; families of cycles born "
-    "there are told apart by declared symmetries alone, and without these one is followed"
-)
 
 
 def jet_at(problem: AlgebraicEquations, z: Array, scale: Array | None = None) -> DerivativeJet:

@@ -26,7 +26,7 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.normalforms.directions import any_branch_point
 from contin.normalforms.later import stated
-from contin.problems.coinciding import with_hopf_points_told
+from contin.problems.coinciding import SEVERAL_PAIRS, with_hopf_points_told
 from contin.problems.sparse import forms
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.reduced_equation import Reduced, border_rows
@@ -75,13 +75,19 @@ def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame)
         found.append(_branch_point(problem, a, frame))
     elif a.tests[0] * b.tests[0] < 0.0:
         found.append(_fold(problem, a, frame))
-    elif abs(a.unstable - b.unstable) > 1 and a.tests[2] * b.tests[2] > 0.0:
+    elif abs(a.unstable - b.unstable) > max(1, 2 * int(np.sum(_pairs_on_axis(a)))) and a.tests[2] * b.tests[2] > 0.0:
         found.append(_multiple(problem, a, frame, abs(a.unstable - b.unstable)))
     elif (a.unstable - b.unstable) % 2:
         found.append(_branch_point(problem, a, frame))
-    if np.any((a.eigenvalues.imag > 0) & (np.abs(a.eigenvalues.real) < CRITICAL * np.abs(a.eigenvalues))):
+    if np.any(_pairs_on_axis(a)):
         found.append(_hopf(problem, a, frame))
     return with_hopf_points_told(found, frame.scale)
+
+
+def _pairs_on_axis(sample: Sample) -> NDArray[np.bool_]:
+    """Which eigenvalues, one of each pair, are on the imaginary axis or next to it."""
+    values = sample.eigenvalues
+    return (values.imag > 0) & (np.abs(values.real) < CRITICAL * np.abs(values))
 
 
 # folds and Hopf points ------------------------------------------------------------------------------------------------
@@ -165,12 +171,16 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
         return unverified("HB", f"its defining system has no solution nearby (residual {residual:.1e})")
     q = q if value.imag > 0 else np.conj(q)
     values = problem.spectrum(at.z).values
-    critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
-    others = np.delete(values, critical)
-    form = forms.hopf(problem, at.z, q, omega)
+    critical = [np.abs(values - target) <= CRITICAL * omega for target in (1j * omega, -1j * omega)]
+    pairs_there = max(1, int(np.sum(critical[0])))
+    others = values[~(critical[0] | critical[1])]
+    several = pairs_there > 1  # where each of them has directions of its own: l1 of one is that of no family
+    form = {"kernel": pairs_there} if several else forms.hopf(problem, at.z, q, omega)
     error += 3.0 * forms.rounding(linear_at(problem, at.z), 1j * omega, q) / frequency / abs(slope)
     unstable = int(np.sum(others.real > 0.0))
-    return Verified("HB", at.z, residual, float(error), values, unstable, form, {"omega": omega, "q": q})
+    vectors = {"omega": omega, "q": q} | ({"kernel": pairs_there} if several else {})
+    remark = SEVERAL_PAIRS if several else ""
+    return Verified("HB", at.z, residual, float(error), values, unstable, form, vectors, remark=remark)
 
 
 # branch points --------------------------------------------------------------------------------------------------------
