@@ -21,7 +21,7 @@ from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
 from contin.loci.augmented.curve_equations import TURNS, Bounds, Near
 from contin.loci.augmented.large_orbits import LargeOrbitBase
-from contin.loci.augmented.tests_of_large_orbits import graded
+from contin.loci.augmented.tests_of_large_orbits import curvature, graded
 from contin.loci.orbits import criticality
 from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.without_coefficients import with_remark
@@ -145,6 +145,8 @@ class LargeOrbitCurve(AugmentedCurve):
             return NOTHING  # a pole, at a strong resonance
         if type_ == "CPC" and has_shrunk(self, found.z, frame.scale):
             return NOTHING  # the curve turns round at its generalised Hopf point
+        if type_ == "CPC" and abs(curvature(self.base.at(found.z), self.base.inner(found.z), self.base.second)) > POLE:
+            return NOTHING  # the second parameter turns
         if not zero.value <= RESIDUAL_LIMIT:
             return unverified(type_, f"its test function jumps across zero (residual {zero.value:.1e})")
         finer = self._on_finer_mesh(found, frame, index)

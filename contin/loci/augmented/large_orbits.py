@@ -95,7 +95,7 @@ class LargeOrbitBase(Base):
         return problem.bordered(self.inner(z), (self.second, problem.active), rows, scale)
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        return measured_at(self.at(z), self.inner(z), type_)
+        return measured_at(self.at(z), self.inner(z), type_, self.second)
 
     def finer(self, z: Array) -> tuple[LargeOrbitBase, Callable[[Array], Array], Callable[[Array], Array]]:
         """The same on intervals of half the length; what becomes of orbits (and changes of them) and of metrics."""

@@ -29,7 +29,7 @@ CRITICAL: Final = {"LPC": 1.0, "PD": -1.0}
 
 
 def measured_at(
-    family: LargeOrbitProblem, z: Array, type_: str
+    family: LargeOrbitProblem, z: Array, type_: str, second: int
 ) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests, the number of unstable multipliers without the critical ones, all multipliers with the trivial one.
 
@@ -48,7 +48,7 @@ def measured_at(
         cosine = 0.5 * float((values[k] + values[critical[1]]).real)  # of two with product 1, real ones too
         cosines = [cosine - _cosine(name) for name in COSINES]
     if type_ == "LPC":
-        value = _quadratic(LargeCycle.with_critical(family, z, values[k], vectors[:, k]))
+        value = float(np.prod(_quadratic(LargeCycle.with_critical(family, z, values[k], vectors[:, k]), second)))
     return np.array([pairs, flips, ones, *cosines, value]), unstable, whole
 
 
@@ -91,12 +91,21 @@ def others_of(values: NDArray[np.complex128], type_: str) -> NDArray[np.complex1
     return np.delete(values, order[0])
 
 
-def _quadratic(cycle: LargeCycle) -> float:
-    """-p'' of the family along its null vector, as part of its terms."""
+def curvature(family: LargeOrbitProblem, z: Array, second: int) -> float:
+    """The quadratic coefficient of a fold, as part of its terms; NaN where it has no value."""
+    values, vectors = family.multipliers(z)
+    k = critical_index(values, "LPC")
+    return float("nan") if k is None else _quadratic(
+        LargeCycle.with_critical(family, z, values[k], vectors[:, k]), second
+    )[0]  # fmt: skip
+
+
+def _quadratic(cycle: LargeCycle, second: int) -> tuple[float, float]:
+    """That of the family along its null vector, and how far the active parameter moves the fold, not the other."""
     try:
-        return vertical_term(cycle)
+        return vertical_term(cycle, second)
     except np.linalg.LinAlgError:  # NaN is no change of sign; a curve whose middle has it says so
-        return float("nan")
+        return float("nan"), 1.0
 
 
 def _cubic(cycle: LargeCycle, type_: str) -> float:

@@ -18,6 +18,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.outcome import Verified
 from contin.linalg.vectors import dot
+from contin.machine import elementary
 from contin.normalforms.coefficient import Coefficient
 from contin.problems.large_orbits.cycle import LargeCycle
 from contin.problems.large_orbits.normal_form import UnresolvedShearError, drifts, with_wider_stencils
@@ -116,14 +117,23 @@ def _vertical(cycle: LargeCycle) -> tuple[Direction, Vector]:
     return Direction(across, -c, 0.0), cycle.equation(1.0).functionals[0]
 
 
-def vertical_term(cycle: LargeCycle) -> float:
-    """b20 / <p, f_p> along a fold, as part of its terms: -1 to 1, its sign that of -p'' along the family."""
+def vertical_term(cycle: LargeCycle, other: int) -> tuple[float, float]:
+    """<p, B(q, q)> along a fold as part of its terms, and <p, f_p> of the active parameter beside that of the `other`.
+
+    Their product has the sign of -p'' along the family, and changes it smoothly where the curve of folds runs along
+    the active parameter, too, which moves no fold there.
+    """
     cycle = replace(cycle, drifts=cycle.shear > STEADY)
     q, left = _vertical(cycle)
     unit = cycle.equation(1.0)
     g = _second(cycle, q, q)
-    by = unit.projection(cycle.slope_along(np.zeros_like(q.states), 1.0), left).real
-    return unit.projection(g, left).real / unit.modulus(g, left) * float(np.sign(by))
+    orbit = cycle.orbit
+    states, p = orbit.U.reshape(-1, cycle.problem.n), cycle.problem.full_parameters(cycle.z)
+    own, beside = (
+        unit.projection(cycle.problem.points.parameter_slopes(states, p, k).reshape(orbit.U.shape), left).real
+        for k in (cycle.problem.active, other)
+    )
+    return unit.projection(g, left).real / unit.modulus(g, left), own / float(elementary.hypot(own, beside))
 
 
 def _second(cycle: LargeCycle, one: Direction, other: Direction) -> Vector:

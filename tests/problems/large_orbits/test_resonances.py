@@ -6,6 +6,7 @@ from scipy import sparse
 
 import contin
 from tests.problems.large_orbits.test_codimension_two import LONG, MESH, agrees, found_on
+from tests.problems.large_orbits.test_normal_forms import family, function
 
 BORN = 0.05  # mu at which the plane's trace vanishes on r = sqrt(mu)
 
@@ -72,6 +73,25 @@ def test_tori_through_a_1_to_1_resonance_become_neutral_and_meet_folds():
     folds = contin.continuation(point.locus(), ("mu", "k"), {"mu": (0.045, 0.055), "k": (-1e-3, 1e-3)}, settings=LONG)
     np.testing.assert_allclose(folds.columns["k"], 0.0, atol=1e-9)
     assert np.ptp(folds.columns["mu"]) == pytest.approx(0.01)
+
+
+def test_a_curve_of_folds_along_which_the_second_parameter_turns():
+    """r' = r (mu - a^2 + a/5 + R - R^2), R = r^2: folds at mu = -1/4 + a^2 - a/5."""
+
+    def residual(z, p):
+        x, y = z
+        r2 = x * x + y * y
+        growth = p["mu"] - p["a"] ** 2 + 0.2 * p["a"] + r2 - r2 * r2
+        return np.array([growth * x - y, growth * y + x])
+
+    folds = family(function(residual, 2, {"mu": -0.5, "a": 0.0}), (-0.4, 0.1), stop_at=("LPC",), intervals=8)
+    span = {"a": (-0.05, 0.25), "mu": (-0.3, -0.1)}
+    curve = contin.continuation(folds["LPC1"].locus(), ("a", "mu"), span, settings=LONG)
+    a, mu = curve.columns["a"], curve.columns["mu"]
+    np.testing.assert_allclose(mu, a * a - 0.2 * a - 0.25, atol=1e-4)  # of 8 intervals
+    assert (a.min(), a.max()) == pytest.approx((-0.05, 0.25))
+    assert not curve.points
+    assert not curve.notes
 
 
 @pytest.mark.parametrize("most", [3, pytest.param(500, marks=pytest.mark.long)], ids=["place", "coefficients"])
