@@ -77,7 +77,7 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
         form = normal_forms.fold(mesh, x, found.direction, local.scale[:-1])
         return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {})
     small = smallest(mesh, x)
-    form = _form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
+    form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
     return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {"kernel": 1}, crowded=crowded)
 
@@ -193,7 +193,7 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
     return Found(x, residual, q, scatter)
 
 
-def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
+def form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
     """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
 
     Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
