@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.bvp import marched, special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
+from contin.bvp.continuum import free_function
 from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
@@ -125,6 +126,26 @@ class BoundaryProblem(BoundaryEquations):
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special_points.verify_compound(self, a, b, frame)
+
+    def end_at(self, point: Verified) -> End | None:
+        free = point.vectors.get("free")
+        return self._at_continuum(str(free), float(point.z[-1])) if free else None
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        mesh = OnMesh(self, self.profile(origin.z).h)
+        x = mesh.unknowns(origin.z)
+        if mesh.linear(x) is None:
+            return None
+        free = free_function(mesh, x, smallest(mesh, x), mesh.unknowns(frame.scale)[:-1])
+        return Renewal(frame.scale, origin, before, None, self._at_continuum(free, float(x[-1]))) if free else None
+
+    def _at_continuum(self, free: str, at: float) -> End:
+        name = self.parameters[0]
+        text = (
+            f"met a continuum of solutions at {name} = {at:.10g}, where {free} can be moved with {name} fixed (beyond, "
+            "a branch may be its own image)"
+        )
+        return End("joined", text, {"at": at})
 
     def column(self, name: str, z: Array) -> Array:
         return own_column(self, name, z)

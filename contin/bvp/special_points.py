@@ -16,6 +16,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp import normal_forms
 from contin.bvp.condensed import Condensed, linearise, residual_at
+from contin.bvp.continuum import free_function
 from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
@@ -45,6 +46,7 @@ REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix
 PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
 WITHIN = 3.0  # errors of a coefficient within which it is zero
+SEVERAL = "BP: two modes or more vanish at once; several branches cross there, of which one is switched to"
 NO_VALUES = np.zeros(0, complex)
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
@@ -79,14 +81,22 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     small = smallest(mesh, x)
     form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
-    return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {"kernel": 1}, crowded=crowded)
+    known: Fields = {"kernel": 1, "free": free_function(mesh, x, small, local.scale[:-1])}
+    remark = SEVERAL if int(form.get("kernel", 1)) > 1 else ""
+    return Verified(
+        type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, known, crowded=crowded, remark=remark
+    )
 
 
 def verify_compound(problem: BoundaryEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-    """Several changes at one place: the branch points there, else a fold."""
+    """Several changes at one place: the branch points there, else a fold.
+
+    Where two modes vanish at once, no test changes its sign.
+    """
     types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
     if not types:
-        return []
+        found = _together(problem, a, frame)
+        return [replace(one, touches=True) if isinstance(one, Verified) else one for one in found]
     return _together(problem, a, frame) if types[0] == "BP" else [verify(problem, "LP", a, frame)]
 
 
