@@ -26,7 +26,10 @@ from contin.machine import elementary
 REACHES: Final = (0.02, 0.05)  # of the functions' sizes: how far from the branch point solutions are looked for
 DIRECTIONS: Final = 24
 REFINED: Final = 40  # golden sections: the angle to 1e-9
+FIRST: Final = 10  # after so many a minimum above `HOPELESS` of the largest mu is given up
+HOPELESS: Final = 0.05
 CHORDS: Final = 12
+SETTLED: Final = 1e-11  # of the distance: a correction that no longer counts
 VANISHING: Final = 1e-6  # part of the largest mu at this distance that a solution leaves (rounding, and the mesh)
 OPPOSITE: Final = -0.9  # cosine of two directions that lead to both sides
 GOLDEN: Final = 0.5 * (np.sqrt(5.0) - 1.0)
@@ -50,8 +53,8 @@ def free_function(mesh: OnMesh, x: Array, small: SmallestValues, sizes: Array) -
         if not np.all(np.isfinite(left)) or left.max() == 0.0:
             return ""
         ways = [a for k, a in enumerate(angles) if left[k] <= min(left[k - 1], left[(k + 1) % DIRECTIONS])]
-        zeros = [a for a in (_least(reduced, reach, a) for a in ways)
-                 if norm(reduced(reach * _unit(a))) <= VANISHING * left.max()]  # fmt: skip
+        lowest = [_least(reduced, reach, a, HOPELESS * left.max()) for a in ways]
+        zeros = [a for a, size in lowest if size <= VANISHING * left.max()]
         pairs = [a for a in zeros if any(elementary.cos(a - b) < OPPOSITE for b in zeros)]
         if not pairs:
             return ""
@@ -85,7 +88,7 @@ def _reduced(mesh: OnMesh, x: Array, q: Array, sizes: Array) -> Callable[[Array]
             at[:-1] += step[:-2]
             mu += step[-2:]
             size = norm(step[:-2] / sizes)
-            if size >= before:
+            if size >= before or size < SETTLED * norm(alpha):
                 break
             before = size
         return mu
@@ -93,8 +96,8 @@ def _reduced(mesh: OnMesh, x: Array, q: Array, sizes: Array) -> Callable[[Array]
     return value
 
 
-def _least(reduced: Callable[[Array], Array], reach: float, angle: float) -> float:
-    """The angle next to this one at which |mu| is least."""
+def _least(reduced: Callable[[Array], Array], reach: float, angle: float, hopeless: float) -> tuple[float, float]:
+    """The angle next to this one at which |mu| is least, and |mu| there."""
     step = 2.0 * np.pi / DIRECTIONS
     low, high = angle - step, angle + step
 
@@ -103,7 +106,9 @@ def _least(reduced: Callable[[Array], Array], reach: float, angle: float) -> flo
 
     a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     fa, fb = size(a), size(b)
-    for _ in range(REFINED):
+    for k in range(REFINED):
+        if k == FIRST and min(fa, fb) > hopeless:
+            break
         if fa < fb:
             high, b, fb = b, a, fa
             a = high - GOLDEN * (high - low)
@@ -112,4 +117,4 @@ def _least(reduced: Callable[[Array], Array], reach: float, angle: float) -> flo
             low, a, fa = a, b, fb
             b = low + GOLDEN * (high - low)
             fb = size(b)
-    return float(0.5 * (low + high))
+    return (a, fa) if fa < fb else (b, fb)

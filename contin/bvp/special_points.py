@@ -17,6 +17,7 @@ from contin.abi import Array
 from contin.bvp import normal_forms
 from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.continuum import free_function
+from contin.bvp.defects import finer as finer_mesh
 from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
@@ -231,14 +232,14 @@ def _on_finer_mesh(
     problem: BoundaryEquations, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
 ) -> float | None:
     """The parameter of the same point where every interval is halved."""
-    h = np.repeat(0.5 * mesh.h, 2)
     if type_ == "LP":
         there = problem.refined(replace(near, z=mesh.full(x)), frame)
         fold = None if there is None else _fold(cast("BoundaryEquations", there[0]), *there[1:])
         return None if fold is None or isinstance(fold, Rejected) else float(fold.x[-1])
+    sizes = problem.sizes(near.z, frame.scale)
+    h = finer_mesh(problem, mesh.profile(x), sizes)
     finer = OnMesh(problem, h)
     old = mesh.profile(x).on_mesh(h)
-    sizes = problem.sizes(near.z, frame.scale)
     scale = finer.unknowns(make_scale(h, problem.points, sizes, 1.0, float(frame.scale[-1])))
     raw = mesh.unknowns(near.tangent) * mesh.unknowns(frame.scale)
     t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale
