@@ -189,10 +189,9 @@ class BoundaryProblem(BoundaryEquations):
         return Renewal(scale, first, earlier, start)
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        def sizes_at(row: Array, profile: Profile) -> Array:
-            return self.natural_sizes(trimmed(row), profile, abs(profile.parameter) or 1.0)
-
-        found = defects.remark(self, z, sizes_at)
+        profile = self.profile(z[0])
+        natural = self.natural_sizes(trimmed(z[0]), profile, abs(profile.parameter) or 1.0)
+        found = defects.remark(self, z, natural)
         return [found] if found else []
 
     def _nearest_to_null(self, z: Array) -> Array | None:

@@ -11,7 +11,6 @@ is an error of u of the order of the method where F is smooth, and is seen for w
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
@@ -29,8 +28,10 @@ STUBBORN: Final = 0.125  # part of a defect that is left in half the interval: m
 FINER: Final = 0.01  # of the tolerance: where a solution is not smooth, errors of the finer mesh beside the other's
 LEVELS: Final = 40  # of halving: to rounding of the places
 MOST: Final = 100  # intervals that are added at a time
-ROWS: Final = 6  # of a branch that are looked at
-UNRESOLVED: Final = 100.0  # times the estimate, and the tolerance: a defect that makes the estimate worthless
+ROUNDED: Final = 1e-8  # of its natural size: a function below it is zero but for rounding
+ROWS: Final = 4  # of a branch that are looked at
+UNRESOLVED: Final = 100.0  # times the tolerance, ...
+WORTHLESS: Final = 40.0  # ... and the estimate: a defect that makes it worthless (30 times of smooth solutions)
 
 
 @lru_cache(maxsize=8)
@@ -94,14 +95,19 @@ def resolving(
     return h
 
 
-def remark(problem: BoundaryEquations, z: Array, sizes_at: Callable[[Array, Profile], Array]) -> str:
-    """That the equations are not met between the points of a mesh whose error is estimated as small; of rows z."""
+def remark(problem: BoundaryEquations, z: Array, natural: Array) -> str:
+    """That the equations are not met between the points of a mesh whose error is estimated as small; of rows z.
+
+    natural : sizes (n,) of functions that are zero but for rounding.
+    """
     worst, where = 0.0, 0
     for row in np.unique(np.linspace(0, len(z) - 1, ROWS).astype(int)):
         profile = problem.profile(z[row])
-        sizes = sizes_at(z[row], profile)
+        largest = np.abs(profile.u).max(axis=0)
+        sizes = np.where(largest > ROUNDED * natural, largest, natural)
         error = float(defects(problem, profile, profile.h, sizes).max())
-        if error > max(worst, UNRESOLVED * max(problem.tolerance, estimate(profile, sizes, closed=False)[0])):
+        told = WORTHLESS * estimate(profile, sizes, closed=False)[0]
+        if error > max(worst, UNRESOLVED * problem.tolerance, told):
             worst, where = error, int(row)
     if worst == 0.0:
         return ""
