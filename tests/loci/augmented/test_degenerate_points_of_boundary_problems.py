@@ -100,3 +100,19 @@ def test_branch_points_that_nothing_forces_are_said_to_be_unfolded():
     line = contin.continuation(boundary_guess(model, {"u": 0.5}), "p", (-2, 3), settings=COARSE)
     found = contin.continuation(line["BP1"].locus(("p", "r")), ("p", "r"), {"p": (-2, 3), "r": (0, 1)}, settings=COARSE)
     assert any("nothing forces these branch points" in note for note in found.notes)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("condition", "r", "p"), [
+    ("r + p*u(start) + s*u(end)^2 + u(start)^3 = 0", 0.0, -0.2), ("r + s*p + p^3 + u(start)^2 = 0", -0.054, -0.5),
+])  # fmt: skip
+def test_generic_branch_points_whose_reduced_equation_is_degenerate(condition, r, p):
+    """u = p = r = 0 for every s: b20 = 2 s; and u = 0, s = -3 p^2, r = 2 p^3: a02 b20 - b11^2 = 12 p."""
+    names = ("p", "r", "s")
+    model = constant(condition, {"p": p, "r": r, "s": -0.27})
+    stop = COARSE | {"stop_at": ["BP", "DBP"]}
+    line = contin.continuation(boundary_guess(model, {"u": 0.2}), "p", (-0.6, 0.3), direction="up", settings=stop)
+    box = {"p": (-1, 1), "r": (-1, 1), "s": (-0.5, 0.1)}
+    found = contin.continuation(line["BP1"].locus(names), names, box, settings=stop)
+    assert {p.type for p in found.points} == {"DBP"}
+    assert [found["DBP1"].values[name] for name in names] == pytest.approx([0, 0, 0], abs=1e-8)
