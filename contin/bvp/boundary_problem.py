@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.bvp import defects, marched, special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
-from contin.bvp.continuum import free_function
+from contin.bvp.continuum import NONE, free_function
 from contin.bvp.defects import resolving
 from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
@@ -130,8 +130,8 @@ class BoundaryProblem(BoundaryEquations):
         return special_points.verify_compound(self, a, b, frame)
 
     def end_at(self, point: Verified) -> End | None:
-        free = point.vectors.get("free")
-        return self._at_continuum(str(free), float(point.z[-1])) if free else None
+        free = int(point.vectors.get("free", NONE))
+        return None if free == NONE else self._at_continuum(free, float(point.z[-1]))
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         mesh = OnMesh(self, self.profile(origin.z).h)
@@ -139,10 +139,12 @@ class BoundaryProblem(BoundaryEquations):
         if mesh.linear(x) is None:
             return None
         free = free_function(mesh, x, smallest(mesh, x), mesh.unknowns(frame.scale)[:-1])
-        return Renewal(frame.scale, origin, before, None, self._at_continuum(free, float(x[-1]))) if free else None
+        if free == NONE:
+            return None
+        return Renewal(frame.scale, origin, before, None, self._at_continuum(free, float(x[-1])))
 
-    def _at_continuum(self, free: str, at: float) -> End:
-        name = self.parameters[0]
+    def _at_continuum(self, place: int, at: float) -> End:
+        name, free = self.parameters[0], self.two.names[place]
         text = (
             f"met a continuum of solutions at {name} = {at:.10g}, where {free} can be moved with {name} fixed (beyond, "
             "a branch may be its own image)"

@@ -35,32 +35,35 @@ OPPOSITE: Final = -0.9  # cosine of two directions that lead to both sides
 GOLDEN: Final = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
-def free_function(mesh: OnMesh, x: Array, small: SmallestValues, sizes: Array) -> str:
-    """The function that moves most along a continuum of solutions through x at its parameter; empty: there is none.
+NONE: Final = -1
+
+
+def free_function(mesh: OnMesh, x: Array, small: SmallestValues, sizes: Array) -> int:
+    """The place of the state that moves most along a continuum of solutions through x at its parameter; or `NONE`.
 
     small : of F_u at x; only where its kernel has two dimensions is looked.  sizes : (n,) of the unknowns.
     """
     if kernel_dimension(small) != 2:
-        return ""
+        return NONE
     q = np.linalg.qr(small[1][:, :2] / sizes[:, None])[0] * sizes[:, None]
     reduced = _reduced(mesh, x, q, sizes)
     if reduced is None:
-        return ""
+        return NONE
     along = np.zeros(len(x) - 1)
     for reach in REACHES:
         angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
         left = np.array([norm(reduced(reach * _unit(a))) for a in angles])
         if not np.all(np.isfinite(left)) or left.max() == 0.0:
-            return ""
+            return NONE
         ways = [a for k, a in enumerate(angles) if left[k] <= min(left[k - 1], left[(k + 1) % DIRECTIONS])]
         lowest = [_least(reduced, reach, a, HOPELESS * left.max()) for a in ways]
         zeros = [a for a, size in lowest if size <= VANISHING * left.max()]
         pairs = [a for a in zeros if any(elementary.cos(a - b) < OPPOSITE for b in zeros)]
         if not pairs:
-            return ""
+            return NONE
         along = q @ _unit(pairs[0])
     moved = np.abs(along / sizes).reshape(-1, mesh.problem.n).max(axis=0)
-    return str(mesh.problem.two.names[int(np.argmax(moved[: mesh.problem.two.n_states]))])
+    return int(np.argmax(moved[: mesh.problem.two.n_states]))
 
 
 def _unit(angle: float) -> Array:
