@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.bvp import marched, special_points
+from contin.bvp import defects, marched, special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
+from contin.bvp.continuum import NONE, free_function
+from contin.bvp.defects import resolving
 from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
@@ -29,7 +31,7 @@ from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.problems.orbits.mesh.adaption import estimate, unresolved
 from contin.problems.orbits.mesh.finer import on_half_lengths
-from contin.problems.orbits.mesh.layout import Profile, make_scale
+from contin.problems.orbits.mesh.layout import Profile, make_scale, trimmed
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 from contin.problems.scales import parameter_width
@@ -108,7 +110,8 @@ class BoundaryProblem(BoundaryEquations):
         return marched.probe(self, base, length, guess, frame, settings)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
-        found = on_half_lengths(self, sample, frame)
+        mesh = defects.finer(self, self.profile(sample.z), self.sizes(sample.z, frame.scale))
+        found = on_half_lengths(self, sample, frame, mesh)
         return None if found is None else (self, *found)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
@@ -125,6 +128,28 @@ class BoundaryProblem(BoundaryEquations):
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special_points.verify_compound(self, a, b, frame)
+
+    def end_at(self, point: Verified) -> End | None:
+        free = int(point.vectors.get("free", NONE))
+        return None if free == NONE else self._at_continuum(free, float(point.z[-1]))
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        mesh = OnMesh(self, self.profile(origin.z).h)
+        x = mesh.unknowns(origin.z)
+        if mesh.linear(x) is None:
+            return None
+        free = free_function(mesh, x, smallest(mesh, x), mesh.unknowns(frame.scale)[:-1])
+        if free == NONE:
+            return None
+        return Renewal(frame.scale, origin, before, None, self._at_continuum(free, float(x[-1])))
+
+    def _at_continuum(self, place: int, at: float) -> End:
+        name, free = self.parameters[0], self.two.names[place]
+        text = (
+            f"met a continuum of solutions at {name} = {at:.10g}, where {free} can be moved with {name} fixed (beyond, "
+            "a branch may be its own image)"
+        )
+        return End("joined", text, {"at": at})
 
     def column(self, name: str, z: Array) -> Array:
         return own_column(self, name, z)
@@ -154,13 +179,22 @@ class BoundaryProblem(BoundaryEquations):
         sizes = self.sizes(origin.z, frame.scale)
         trivial = self.intervals is None and estimate(profile, sizes, self.closed)[0] < TRIVIAL * self.tolerance
         fit = refitted(self, profile, sizes, 1.0, self._nearest_to_null(origin.z) if trivial else None)
-        if fit is None:
+        h, sizes = (profile.h, sizes) if fit is None else (fit.h, fit.sizes)
+        if self.intervals is None:
+            h = resolving(self, profile, h, sizes)
+        if fit is None and len(h) == profile.intervals:
             return Renewal(frame.scale, origin, before, loop)
-        scale = make_scale(fit.h, self.points, fit.sizes, 1.0, float(frame.scale[-1]))
-        move = Move(self, frame.scale, scale, fit.h)
+        scale = make_scale(h, self.points, sizes, 1.0, float(frame.scale[-1]))
+        move = Move(self, frame.scale, scale, h)
         first, earlier, start = move.each(origin, before, loop)
         assert first is not None
         return Renewal(scale, first, earlier, start)
+
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        profile = self.profile(z[0])
+        natural = self.natural_sizes(trimmed(z[0]), profile, abs(profile.parameter) or 1.0)
+        found = defects.remark(self, z, natural)
+        return [found] if found else []
 
     def _nearest_to_null(self, z: Array) -> Array | None:
         """(nodes, k) of largest value 1: the functions by which another branch would leave this one.

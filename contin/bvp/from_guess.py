@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
+from contin.bvp.defects import resolving
 from contin.bvp.special_points import at_parameter_from_afar
 from contin.bvp.two_point import TwoPoint, two_point
 from contin.continuation.seed import Seed
@@ -115,9 +116,13 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
         found = profile.vector()
         sizes = np.maximum(np.abs(profile.u).max(axis=0), 1e-9 * sizes)
         mesh = choose_mesh(profile, sizes, problem.tolerance, problem.intervals, closed=False)
-        if len(mesh.h) == profile.intervals and np.allclose(mesh.h, profile.h, rtol=0.2):
+        h = mesh.h
+        if problem.intervals is None:  # (functions that are zero but for rounding have their natural size)
+            natural = problem.natural_sizes(found, profile, abs(profile.parameter) or 1.0)
+            h = resolving(problem, profile, h, np.maximum(sizes, natural))
+        if len(h) == profile.intervals and np.allclose(h, profile.h, rtol=0.2):
             return found
-        profile = profile.on_mesh(mesh.h)
+        profile = profile.on_mesh(h)
     last = problem.at_parameter(profile.vector(), profile.parameter, _unit(problem, profile))
     return profile.vector() if last is None else last
 

@@ -16,6 +16,8 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp import normal_forms
 from contin.bvp.condensed import Condensed, linearise, residual_at
+from contin.bvp.continuum import free_function
+from contin.bvp.defects import finer as finer_mesh
 from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
@@ -45,6 +47,7 @@ REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix
 PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
 WITHIN = 3.0  # errors of a coefficient within which it is zero
+SEVERAL = "BP: two modes or more vanish at once; several branches cross there, of which one is switched to"
 NO_VALUES = np.zeros(0, complex)
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
@@ -77,16 +80,24 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
         form = normal_forms.fold(mesh, x, found.direction, local.scale[:-1])
         return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {})
     small = smallest(mesh, x)
-    form = _form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
+    form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
-    return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {"kernel": 1}, crowded=crowded)
+    known: Fields = {"kernel": 1, "free": free_function(mesh, x, small, local.scale[:-1])}
+    remark = SEVERAL if int(form.get("kernel", 1)) > 1 else ""
+    return Verified(
+        type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, known, crowded=crowded, remark=remark
+    )
 
 
 def verify_compound(problem: BoundaryEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-    """Several changes at one place: the branch points there, else a fold."""
+    """Several changes at one place: the branch points there, else a fold.
+
+    Where two modes vanish at once, no test changes its sign.
+    """
     types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
     if not types:
-        return []
+        found = _together(problem, a, frame)
+        return [replace(one, touches=True) if isinstance(one, Verified) else one for one in found]
     return _together(problem, a, frame) if types[0] == "BP" else [verify(problem, "LP", a, frame)]
 
 
@@ -193,7 +204,7 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
     return Found(x, residual, q, scatter)
 
 
-def _form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
+def form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
     """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
 
     Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
@@ -221,14 +232,14 @@ def _on_finer_mesh(
     problem: BoundaryEquations, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
 ) -> float | None:
     """The parameter of the same point where every interval is halved."""
-    h = np.repeat(0.5 * mesh.h, 2)
     if type_ == "LP":
         there = problem.refined(replace(near, z=mesh.full(x)), frame)
         fold = None if there is None else _fold(cast("BoundaryEquations", there[0]), *there[1:])
         return None if fold is None or isinstance(fold, Rejected) else float(fold.x[-1])
+    sizes = problem.sizes(near.z, frame.scale)
+    h = finer_mesh(problem, mesh.profile(x), sizes)
     finer = OnMesh(problem, h)
     old = mesh.profile(x).on_mesh(h)
-    sizes = problem.sizes(near.z, frame.scale)
     scale = finer.unknowns(make_scale(h, problem.points, sizes, 1.0, float(frame.scale[-1])))
     raw = mesh.unknowns(near.tangent) * mesh.unknowns(frame.scale)
     t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale

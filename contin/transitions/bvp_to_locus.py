@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contin.bvp.boundary_problem import BoundaryProblem
-from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.loci.augmented.of_boundary import curve_of
 from contin.transitions.registry import born
@@ -15,4 +15,4 @@ from contin.transitions.registry import born
 @born(BoundaryProblem, "LP BP", "the curve of such points", parameters=2)
 def loci_of_solution(problem: BoundaryProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Seed of the curve of points of the same type."""
-    return [curve_of(problem, point.z, point.type, parameters, Parent(point.branch, point.label))]
+    return [curve_of(problem, point, parameters)]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.branch import End
 from contin.continuation.outcome import Outcome, Verified, unverified
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Frame, Sample
@@ -55,7 +56,8 @@ class AdaptiveCurve(AugmentedCurve):
         move = Move(base.problem, base.inner(old), base.inner(scale), h)
         bare = replace(sample, z=base.inner(sample.z), tangent=base.inner(sample.tangent))
         share = norm(bare.tangent)
-        there = move(replace(bare, tangent=bare.tangent / share if share > 0.0 else bare.tangent))
+        still = np.full(bare.z.size, 1.0 / np.sqrt(bare.z.size))  # where only further parameters vary
+        there = move(replace(bare, tangent=bare.tangent / share if share > 0.0 else still))
         t = base.joined(share * there.tangent, base.rest(sample.tangent))
         return replace(sample, z=base.joined(there.z, base.rest(sample.z)), tangent=t / norm(t))
 
@@ -79,6 +81,10 @@ class AdaptiveCurve(AugmentedCurve):
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """As solved on the mesh of the curve, with the error by which it moves on a finer one."""
         found = super().verify(type_, near, frame)
+        if type_ == "CP" and self.type == "LP":
+            touching = self.base.touching(self, found.z if isinstance(found, Verified) else near.z, frame)
+            if touching is not None:
+                return cast("Outcome", touching)
         if not isinstance(found, Verified):
             return found
         sample, finer = self.finer(replace(near, z=found.z), frame)
@@ -86,6 +92,13 @@ class AdaptiveCurve(AugmentedCurve):
         if not isinstance(again, Verified):
             return unverified(type_, "it is not there on a mesh of twice as many intervals")
         return replace(found, error=found.error + ORDER * abs(float(again.z[-1] - found.z[-1])))
+
+    def end_at(self, point: Verified) -> End | None:
+        if not point.vectors.get("mirrored"):
+            return None
+        at = float(point.z[-1])
+        text = f"met its own mirror image on the curve of branch points at {self.parameters[0]} = {at:.10g}"
+        return End("joined", text, {"at": at})
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = [

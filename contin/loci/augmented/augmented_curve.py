@@ -100,7 +100,7 @@ class AugmentedCurve(CurveEquations):
         return self.base.column_names()
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        return self.words
+        return [*self.words, *self.base.remarks(self, z)]
 
     def describe_failure(self, z: Array) -> str:
         own = self.base.describe_failure(z)

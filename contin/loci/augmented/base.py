@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
-from contin.continuation.sample import Sample
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Frame, Sample
 from contin.loci.augmented.elimination import Bordered, Scalars
 
 
@@ -136,6 +137,14 @@ class Base(ABC):
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         return None
+
+    def touching(self, curve: Any, z: Array, frame: Frame) -> Verified | None:
+        """The point of another type that a supposed cusp z of `curve` is, where it touches another one."""
+        return None
+
+    def remarks(self, curve: Problem, z: Array) -> Sequence[str]:
+        """Notes on the whole curve with rows z."""
+        return ()
 
     def describe_failure(self, z: Array) -> str:
         return ""

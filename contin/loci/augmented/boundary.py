@@ -6,69 +6,44 @@ z = (u at the nodes, 1, mesh, [unfolding of branch points], parameters, the last
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.functionals import columns_of
-from contin.bvp.on_mesh import OnMesh
-from contin.continuation.sample import Sample
-from contin.linalg.csc import scaled_columns, with_columns, with_rows
+from contin.continuation.outcome import Outcome, Verified
+from contin.continuation.problem import Problem
+from contin.continuation.sample import Frame, Sample
+from contin.linalg.csc import with_columns, with_rows
+from contin.loci.augmented import boundary_degeneracies as degeneracies
+from contin.loci.augmented.boundary_remarks import is_unfolded, remarks_on
+from contin.loci.augmented.degenerate_solutions import critical_at, described, scalar
 from contin.loci.augmented.elimination import Scalars
-from contin.loci.augmented.meshed import Chosen, MeshedBase
-from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
+from contin.loci.augmented.fold_ends_of_boundary import at_fold
+from contin.loci.augmented.singular import singular
+from contin.loci.augmented.singular_solutions import SingularSolutions
 from contin.loci.augmented.sparse import SparseBordered
+from contin.problems.orbits.mesh.layout import make_scale
 
 if TYPE_CHECKING:
-    from scipy.sparse import csc_matrix
-
-    from contin.model.model import Model
+    from contin.loci.augmented.adaptive import AdaptiveCurve
 
 
 ROUNDING = 1e-8  # of the largest: null functions below this are none
-CUSP = 2  # place of the test of cusps among those of a sample
+ROUNDED = 1e-8  # of the branch's metric: a function that is smaller at a special point may be its rounding error
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryBase(MeshedBase[BoundaryProblem]):
-    """`type` is LP or BP."""
-
-    type: str = ""
-
-    has_stability = False
-
-    @property
-    def model(self) -> Model:
-        return self.problem.two.model
-
-    def based(self, base: Array) -> BoundaryProblem:
-        return replace(self.problem, base=base)
-
-    def where(self, z: Array) -> NDArray[np.intp]:
-        """Places in z of (u, [unfolding], parameters)."""
-        nodes = self.profile(z).u.size
-        return np.concatenate([np.arange(nodes), np.arange(z.size - self.behind, z.size)])
-
-    # -- the base's contract -------------------------------------------------------------------------------------------
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return tuple(self.problem.two.parameters[place] for place in self.places)
-
-    def settled(self, z: Array, scale: Array) -> Self:
-        mesh = self.profile(z).h
-        own = self._fitting(z, mesh, np.ones(z.size)) if self.type else None
-        return replace(self, chosen=Chosen(mesh, own, np.zeros(0)))
+class BoundaryBase(SingularSolutions):
+    """Columns, tests and special points of these curves."""
 
     def linearise(self, z: Array, scale: Array, rows: Array) -> SparseBordered | None:
         where = self.where(z)
-        on_mesh = _OnMesh(self, self.profile(z).h, z, np.delete(scale[where], self._unfolding(z)))
-        y = np.delete(z[where] / scale[where], self._unfolding(z))
+        on_mesh = self.on_mesh(self.profile(z).h, np.delete(scale[where], self.unfolding(z)))
+        y = np.delete(z[where] / scale[where], self.unfolding(z))
         here = on_mesh.at(y)
         if here is None:
             return None
@@ -76,7 +51,7 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         columns: Any = matrix
         equations = f
         if self.type:
-            borders = self._borders(z, scale)
+            borders = self.borders_at(z, scale)
             found = singular(on_mesh, y, matrix, borders)
             if found is None:
                 return None
@@ -93,39 +68,16 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         still = z.size - len(where)
         return SparseBordered(np.append(equations, np.zeros(still)), whole, where, z.size)
 
-    def _unfolding(self, z: Array) -> list[int]:
-        """Its place among (u, [unfolding], parameters)."""
-        return [self.profile(z).u.size] if self.extra else []
-
-    def _borders(self, z: Array, scale: Array) -> Borders:
-        """Those chosen, where they are of this mesh."""
-        mesh = self.profile(z).h
-        known = None if self.chosen is None else self.chosen.borders_on(mesh)
-        return self._fitting(z, mesh, scale) if known is None else known
-
-    def _fitting(self, z: Array, mesh: Array, scale: Array) -> Borders:
-        """Borders that fit at z, with the sense of those chosen before."""
-        where = np.delete(self.where(z), self._unfolding(z))
-        on_mesh = _OnMesh(self, mesh, z, scale[where])
-        here = on_mesh.at(z[where] / scale[where])
-        if here is None:
-            raise FloatingPointError("the equations are not finite where a curve is to be followed")
-        found = null_vectors(critical(here[1], here[1].shape[0], self.extra == 1), 1 + self.extra)
-        old, n = None if self.chosen is None else self.chosen.borders, self.problem.n
-        if old is not None and float(_sums(found.left, n) @ _sums(old.left, n)) < 0.0:
-            found = Borders(-found.left, found.right)
-        return found
-
     def null_functions(self, z: Array) -> Array | None:
         """Along a trivial solution they are all that needs a mesh."""
         if not self.type:
             return None
-        profile, where = self.profile(z), np.delete(self.where(z), self._unfolding(z))
-        on_mesh = _OnMesh(self, profile.h, z, np.ones(len(where)))
+        profile, where = self.profile(z), np.delete(self.where(z), self.unfolding(z))
+        on_mesh = self.on_mesh(profile.h, np.ones(len(where)))
         here = on_mesh.at(z[where])
         found = None
         if here is not None:
-            found = singular(on_mesh, z[where], here[1], self._borders(z, np.ones(z.size)), slopes=False)
+            found = singular(on_mesh, z[where], here[1], self.borders_at(z, np.ones(z.size)), slopes=False)
         if found is None:
             return None
         functions = np.hstack([v[: profile.u.size].reshape(profile.u.shape) for v in found.right.T])
@@ -134,45 +86,51 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         return np.asarray(functions[:, known] / largest[known])
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        tests = np.zeros(0)
-        if self.type == "LP" and type_ == "LP":
-            tests = self.cusp(z)(z)
-        return tests, 0, np.zeros(0, complex)
+        none = np.zeros(0, complex)
+        names = self.types(type_)
+        at = critical_at(self, z) if names else None
+        if at is None:
+            return np.full(len(names), np.nan), 0, none
+        return np.array([degeneracies.VALUES[degeneracies.name_in(name, self.kind)](at) for name in names]), 0, none
 
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return ("CP",) if self.test_of(type_, "CP") and a.tests[CUSP] * b.tests[CUSP] < 0.0 else ()
+        changed = a.tests[degeneracies.FIRST :] * b.tests[degeneracies.FIRST :] < 0.0
+        crossed = [name for name, there in zip(self.types(type_), changed, strict=False) if there]
+        return None if len(crossed) > 1 else tuple(crossed)
 
     def test_of(self, curve: str, type_: str) -> int | None:
-        return CUSP if curve == "LP" and type_ == "CP" else None
+        known = self.types(curve)
+        return degeneracies.FIRST + known.index(type_) if type_ in known else None
 
     def types(self, curve: str) -> Sequence[str]:
-        return ("CP",) if curve == "LP" else ()
-
-    def cusp(self, z0: Array) -> Scalars:
-        """<w, F_xx(v, v)> with the null vectors from the borders in use, near z0."""
-        unit = np.ones(z0.size)
-
-        def value(z: Array) -> Array:
-            where = np.delete(self.where(z), self._unfolding(z))
-            mesh = OnMesh(self.at(z), self.profile(z).h)
-            on_mesh = _OnMesh(self, mesh.h, z, unit[where])
-            here = on_mesh.at(z[where])
-            if here is None:
-                return np.full(1, np.nan)
-            borders = self._borders(z, unit)
-            found = singular(on_mesh, z[where], here[1], borders, slopes=False)
-            if found is None:
-                return np.full(1, np.nan)
-            v = np.append(found.right[:, 0], 0.0)
-            x = mesh.unknowns(self.inner(z))
-            return np.array([float(found.left @ mesh.form(x, v, v))])
-
-        return value
+        return degeneracies.types(curve, len(self.places) > 2)
 
     def degeneracy(self, curve: str, type_: str, near: Sample) -> Scalars | str:
-        if curve == "LP" and type_ == "CP":
-            return self.cusp(near.z)
-        return f"{type_} is not looked for on curves of {curve}"
+        if type_ not in self.types(curve):
+            return f"{type_} is not looked for on curves of {curve}"
+        if self.extra and len(self.places) == 2 and is_unfolded(self, near.z):
+            return "the unfolding is not zero there: it is no branch point"
+        return scalar(self, type_, near.z)
+
+    def described(self, type_: str, point: Verified, scale: Array) -> Outcome:
+        return described(self, point, scale) if self.extra else point
+
+    def touching(self, curve: AdaptiveCurve, z: Array, frame: Frame) -> Verified | None:
+        return at_fold(curve, z, frame)
+
+    def remarks(self, curve: Problem, z: Array) -> Sequence[str]:
+        return remarks_on(self, curve, z) if self.type else []
+
+    def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
+        """Of functions that are zero but for rounding where the curve begins, the size that they had on its branch."""
+        scale = super().scales(z, ranges)
+        if not self.usual.size:
+            return scale
+        inner, profile = self.inner(scale), self.profile(z)
+        sizes = self.problem.sizes(self.inner(z), inner)
+        sizes = np.where(sizes < ROUNDED * self.usual, self.usual, sizes)
+        own = make_scale(profile.h, profile.m, sizes, float(inner[profile.u.size]), float(inner[-1]))
+        return self.joined(own, self.rest(scale))
 
     def columns(self, z: Array) -> dict[str, Array]:
         inner = [self.inner(row) for row in z]
@@ -192,37 +150,3 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
 
     def describe_failure(self, z: Array) -> str:
         return self.at(z).trouble(self.inner(z))
-
-
-@dataclass(frozen=True, eq=False)
-class _OnMesh:
-    """F and [F_x, F_p] in scaled unknowns y = (u, parameters) / scale; rows divided by nothing."""
-
-    base: BoundaryBase
-    h: Array
-    like: Array
-    scale: Array
-
-    @cached_property
-    def _nodes(self) -> int:
-        return len(self.scale) - len(self.base.places)
-
-    def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
-        values, base = y * self.scale, self.base
-        parameters = values[self._nodes :]
-        p = base.problem.base.copy()
-        p[list(base.places)] = parameters[::-1]
-        slopes, mesh, x = [], None, values[: self._nodes]
-        for place, value in zip(base.places[::-1], parameters, strict=True):
-            mesh = OnMesh(replace(base.problem, base=p, active=place, spaces={}), self.h)
-            x = np.append(values[: self._nodes], value)
-            slopes.append(mesh.parameter_slope(x))
-        here = None if mesh is None else mesh.at(x)
-        if here is None or not np.all(np.isfinite(slopes)):
-            return None
-        return here.residual, scaled_columns(with_columns(here.linear.matrix, np.array(slopes).T), self.scale)
-
-
-def _sums(left: Array, n: int) -> Array:
-    """Numbers of a left vector that do not depend on the mesh: sums over it by equation, and the conditions' part."""
-    return np.concatenate([left[:-n].reshape(-1, n).sum(axis=0), left[-n:]])

@@ -9,36 +9,45 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
-from contin.continuation.branch import Parent
+from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.augmented.adaptive import AdaptiveCurve
 from contin.loci.augmented.boundary import BoundaryBase
+from contin.loci.augmented.degenerate_solutions import scalar
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import MeshedUnfolding
 from contin.loci.augmented.of_points import places
 
+NONE = np.zeros(0)
+
 
 @dataclass(frozen=True)
 class Cusp:
-    """<w, F_xx(v, v)> = 0 on folds."""
+    """<w, B(v, v)> = 0 on folds."""
 
     base: BoundaryBase
     text: str = "LP with the condition of CP"
 
     def near(self, problem: object, z: Array, scale: Array) -> Scalars:
-        return self.base.cusp(z)
+        return scalar(self.base, "CP", z)
 
 
-def boundary_base(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str]) -> BoundaryBase:
-    """The equations through a solution z, with these parameters varying."""
+def boundary_base(
+    problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str], kind: str = "", scale: Array = NONE
+) -> BoundaryBase:
+    """The equations through a solution z, with these parameters varying.
+
+    kind : of branch points.  scale : the metric of the branch on which z was found, if it was on one.
+    """
     base = problem.base.copy()
     base[problem.active] = z[-1]
     taken = [name for name in parameters if name in problem.two.free]
     if taken:
         raise InputError(f"{taken[0]} is solved for (`free`), and cannot vary too")
     found = tuple(places(problem.two.parameters, parameters))
-    return BoundaryBase(replace(problem, base=base, active=found[0], spaces={}), found, type_)
+    usual = problem.sizes(z, scale) if scale.size == z.size else NONE
+    return BoundaryBase(replace(problem, base=base, active=found[0], spaces={}), found, type_, kind=kind, usual=usual)
 
 
 def start(base: BoundaryBase, z: Array) -> Array:
@@ -47,9 +56,10 @@ def start(base: BoundaryBase, z: Array) -> Array:
     return np.concatenate([z[:-1], np.zeros(base.extra), values])
 
 
-def curve_of(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent | None) -> Seed:
+def curve_of(problem: BoundaryProblem, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
     """The curve of folds or branch points through one in two parameters; of generic branch points in three."""
-    base = boundary_base(problem, z, type_, parameters)
+    z, type_, parent = point.z, point.type, Parent(point.branch, point.label)
+    base = boundary_base(problem, z, type_, parameters, str(point.normal_form.get("kind", "")), point.scale)
     held = (MeshedUnfolding(base),) if len(parameters) == 3 else ()
     curve = AdaptiveCurve(base, held, type_, tuple(parameters), problem.two.free)
     return Seed(curve, start(base, z), parent=parent)

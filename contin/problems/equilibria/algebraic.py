@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.kernels.steering import is_dip
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 CONSIDERED = 2  # test functions: dp/ds and the determinant
@@ -38,12 +39,13 @@ class AlgebraicProblem(EquilibriumProblem):
         tests = chunk.tests.copy()
         tests[:, CONSIDERED:] = 1.0
         crossed = len(chunk) > 1 and bool(np.any(tests[-1] * tests[-2] <= 0.0))
-        stop = chunk.stop
-        if (stop is Stop.EVENT and not crossed) or (stop is Stop.DIP and chunk.dipped >= CONSIDERED):
-            stop = Stop.LIMIT
+        stop, dipped = chunk.stop, chunk.dipped
+        if (stop is Stop.EVENT and not crossed) or (stop is Stop.DIP and dipped >= CONSIDERED):
+            dipped = _dip(chunk, before, length)  # what eigenvalues stop a march for may be two zeros of these
+            stop = Stop.LIMIT if dipped < 0 else Stop.DIP
         count = len(chunk)
-        still = np.zeros(count, np.int64)
-        return replace(chunk, tests=tests, unstable=still, eigenvalues=np.zeros((count, 0), complex), stop=stop)
+        still, none = np.zeros(count, np.int64), np.zeros((count, 0), complex)
+        return replace(chunk, tests=tests, unstable=still, eigenvalues=none, stop=stop, dipped=dipped)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return _without_stability(super().probe(base, length, guess, frame, settings))
@@ -83,6 +85,23 @@ class AlgebraicProblem(EquilibriumProblem):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = [_still(item) for item in super().verify_compound(a, b, frame)]
         return [item for item in found if not isinstance(item, Verified) or item.type in ("LP", "BP")]
+
+
+def _dip(chunk: Chunk, before: Sample | None, length: float) -> int:
+    """The test that comes close to zero at the last row but one without changing its sign; -1: none does.
+
+    before : the sample before the chunk, at this length from its first row.
+    """
+    if len(chunk) < 2 or (len(chunk) == 2 and before is None):
+        return -1
+    tests, lengths = chunk.tests[-3:], chunk.lengths[-2:]
+    if len(chunk) == 2:
+        assert before is not None
+        tests, lengths = np.vstack([before.tests, chunk.tests]), np.array([length, chunk.lengths[-1]])
+    for k in range(CONSIDERED):
+        if is_dip(*tests[:, k], *lengths):
+            return k
+    return -1
 
 
 def _without_stability(found: Sample | None) -> Sample | None:

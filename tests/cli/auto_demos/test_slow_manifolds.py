@@ -47,3 +47,15 @@ def test_a_canard_is_a_trajectory_from_either_end(branches, name):
     eps, time = values["eps"], values["T"]
     ahead, behind = at_the_section(np.array(first), eps, time), at_the_section(np.array(last), eps, -time)
     assert ahead == pytest.approx(behind, abs=1e-6)
+
+
+def test_the_repelling_slow_manifold_is_made_of_trajectories_backwards():
+    """From the middle of the critical manifold to the section through the folded node."""
+    points = [p["values"] for b in branches_of("fncr").values() for p in b["points"] if p["type"] == "UZ"]
+    assert len(points) == 3
+    for values in points:
+        start = np.array([values[f"{name}.start"] for name in "vhs"])
+        until = np.log(start[2] / 0.2797) / (0.565 * values["eps"])
+        assert until == pytest.approx(values["T"], rel=1e-9)
+        end = solve_ivp(rate, (0.0, until), start, args=(values["eps"],), **TIGHT).y[:, -1]
+        assert end == pytest.approx([values[f"{name}.end"] for name in "vhs"], abs=1e-8)

@@ -26,10 +26,15 @@ class Followed(Meshed, Protocol):
         """See `contin.continuation.problem.Problem.probe`."""
 
 
-def on_half_lengths(problem: Followed, sample: Sample, frame: Frame) -> tuple[Sample, Frame] | None:
-    """The point next to a sample on the hyperplane normal to its tangent, and the metric there; None: not found."""
+def on_half_lengths(
+    problem: Followed, sample: Sample, frame: Frame, finer: Array | None = None
+) -> tuple[Sample, Frame] | None:
+    """The point next to a sample on the hyperplane normal to its tangent, and the metric there; None: not found.
+
+    finer : another mesh than the one with intervals of half the length.
+    """
     profile = problem.profile(sample.z)
-    h = np.repeat(0.5 * profile.h, 2)
+    h = np.repeat(0.5 * profile.h, 2) if finer is None else finer
     period = float(frame.scale[profile.u.size])
     scale = make_scale(h, profile.m, problem.sizes(sample.z, frame.scale), period, float(frame.scale[-1]))
     base, there = Move(problem, frame.scale, scale, h)(sample), Frame(scale, frame.reference)

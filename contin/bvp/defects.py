@@ -1,0 +1,118 @@
+"""What collocation leaves of the equations between its points, where a solution is not smooth.
+
+Errors of the mesh are estimated from the derivative of order m + 1, which means nothing where the equations have a
+singular coefficient (x^(-1/2) at an end) or a corner. On an interval of length h the polynomial meets u' = F at m Gauss
+points; what it does not meet is F - I F, I the interpolation there. Its integral,
+
+    d_i = h int |F - I F| ds / size,
+
+is an error of u of the order of the method where F is smooth, and is seen for what it is where F is not.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.layout import Profile
+
+if TYPE_CHECKING:
+    from contin.bvp.boundary_equations import BoundaryEquations
+
+STUBBORN: Final = 0.125  # part of a defect that is left in half the interval: more than of a smooth solution
+FINER: Final = 0.01  # of the tolerance: where a solution is not smooth, errors of the finer mesh beside the other's
+LEVELS: Final = 40  # of halving: to rounding of the places
+MOST: Final = 100  # intervals that are added at a time
+ROUNDED: Final = 1e-8  # of its natural size: a function below it is zero but for rounding
+ROWS: Final = 4  # of a branch that are looked at
+UNRESOLVED: Final = 100.0  # times the tolerance, ...
+WORTHLESS: Final = 40.0  # ... and the estimate: a defect that makes it worthless (30 times of smooth solutions)
+
+
+@lru_cache(maxsize=8)
+def _rule(m: int) -> tuple[Array, Array, Array]:
+    """Points and weights of a quadrature on [0, 1] that shares none with the m Gauss points, and I at them."""
+    points, weights = np.polynomial.legendre.leggauss(2 * m + 2)
+    points, weights = 0.5 * (points + 1.0), 0.5 * weights
+    gauss = basis(m).gauss
+    apart = gauss[:, None] - gauss
+    np.fill_diagonal(apart, 1.0)
+    away = points[:, None] - gauss
+    matrix = np.empty((len(points), m))
+    for k in range(m):
+        matrix[:, k] = np.prod(np.delete(away, k, axis=1), axis=1) / np.prod(apart[k])
+    return points, weights, matrix
+
+
+def defects(problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array) -> Array:
+    """d_i of the intervals h for a solution known on its own mesh, (len(h),); NaN and infinity count as none."""
+    points, weights, interpolate = _rule(profile.m)
+    starts = np.concatenate([[0.0], np.cumsum(h)[:-1]])
+    inner = np.concatenate([basis(profile.m).gauss, points])
+    times = np.minimum((starts[:, None] + h[:, None] * inner).ravel(), 1.0)
+    p = np.tile(problem.full_parameters(profile.vector()), (len(times), 1))
+    p[:, -1] = times
+    values = np.asarray(problem.two.system.jacobians(profile.at(times), p)[0])[:, : profile.n]
+    values = values.reshape(len(h), len(inner), profile.n)
+    m = profile.m
+    apart = np.abs(values[:, m:] - np.einsum("qk,ikn->iqn", interpolate, values[:, :m]))
+    found = (h[:, None] * np.einsum("q,iqn->in", weights, apart) / sizes).max(axis=1)
+    return np.where(np.isfinite(found), found, 0.0)
+
+
+def finer(problem: BoundaryEquations, profile: Profile, sizes: Array) -> Array:
+    """The mesh by which errors are told: half the intervals, still shorter where the solution is not smooth."""
+    return resolving(problem, profile, np.repeat(0.5 * profile.h, 2), sizes, FINER * problem.tolerance)
+
+
+def resolving(
+    problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array, tolerance: float | None = None
+) -> Array:
+    """The mesh h with intervals halved where the solution is not smooth, until the equations are met to the tolerance.
+
+    Where it is smooth, a defect falls by 2^(m + 1) in half an interval, and errors are those that the mesh was made
+    for; where it is not, hardly.
+    """
+    most, tolerance = len(h) + MOST, problem.tolerance if tolerance is None else tolerance
+    open_ = np.ones(len(h), dtype=bool)
+    for _ in range(LEVELS):
+        found = np.zeros(len(h))
+        found[open_] = defects(problem, profile, h, sizes)[open_]
+        open_ = found > tolerance
+        if not open_.any():
+            break
+        halves = defects(problem, profile, np.repeat(0.5 * h, 2), sizes).reshape(-1, 2).max(axis=1)
+        split = open_ & (halves > STUBBORN * found)
+        if not split.any() or len(h) + int(split.sum()) > most:
+            break
+        parts = np.where(split, 2, 1)
+        h, open_ = np.repeat(h / parts, parts), np.repeat(split, parts)
+    return h
+
+
+def remark(problem: BoundaryEquations, z: Array, natural: Array) -> str:
+    """That the equations are not met between the points of a mesh whose error is estimated as small; of rows z.
+
+    natural : sizes (n,) of functions that are zero but for rounding.
+    """
+    worst, where = 0.0, 0
+    for row in np.unique(np.linspace(0, len(z) - 1, ROWS).astype(int)):
+        profile = problem.profile(z[row])
+        largest = np.abs(profile.u).max(axis=0)
+        sizes = np.where(largest > ROUNDED * natural, largest, natural)
+        error = float(defects(problem, profile, profile.h, sizes).max())
+        told = WORTHLESS * estimate(profile, sizes, closed=False)[0]
+        if error > max(worst, UNRESOLVED * problem.tolerance, told):
+            worst, where = error, int(row)
+    if worst == 0.0:
+        return ""
+    return (
+        f"the equations are met between the points of the mesh only to {worst:.0e} of the solution's size near "
+        f"{problem.parameters[0]} = {float(z[where, -1]):.6g}, as where a coefficient is singular: values are known to "
+        "no more than that. Try other variables there (x = s^2 for a root), or more settings.intervals"
+    )
