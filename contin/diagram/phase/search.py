@@ -39,6 +39,7 @@ BUDGET: Final = Budget(branches=40, steps=5000)  # of one line
 OF_MAP: Final = Budget(branches=12, steps=4000)  # ... of a map: cascades of doublings have cycles of any length
 DOUBLINGS: Final = 2  # in a row, on one line; trajectories find the stable cycles beyond
 GENERATIONS: Final = 2  # ... and other families born on families, which there may be infinitely many of
+SHORT: Final = ("corrector", "surface")  # ends of families beyond which there may be orbits that are not followed
 INCOMPLETE: Final = "families of orbits could not be followed to their ends"
 
 
@@ -156,7 +157,8 @@ class LociSearch:
 
     def _incomplete(self, line: Line) -> None:
         """Say once that families of a piecewise-smooth flow stop short."""
-        lost = [e for b in line.orbits if b.problem.system.n_switches for e in b.ends if e.reason == "corrector"]
+        piecewise = [b for b in line.orbits if b.problem.system.n_switches]
+        lost = [end for b in piecewise for end in b.ends if end.reason in SHORT]
         if lost and not any(INCOMPLETE in text for text in self.notes):
             where = f"{self.parameters[1 - line.axis]} = {line.value:.6g}"
             self.notes.add(f"{INCOMPLETE}, and orbits beyond are not counted: at {where}, {lost[0].text}")
