@@ -175,10 +175,11 @@ class Arm:
         """See `first_unexplained`."""
         if len(chunk) < 2 or chunk.stop is Stop.CORNER:
             return None
-        problem, noise = self.problem, NOISE * self.course.settings.newton_tolerance
+        problem, settings = self.problem, self.course.settings
         return first_unexplained(
-            chunk, before, length, self.scale, problem.angle_periods, noise, each=not problem.adaptive
-        )
+            chunk, before, length, self.scale, problem.angle_periods, NOISE * settings.newton_tolerance,
+            settings.min_step, each=not problem.adaptive,
+        )  # fmt: skip
 
     def _until_unresolved(self, chunk: Chunk) -> tuple[Chunk, Array | None]:
         """A chunk's rows as far as the metric is fine enough for them, and the finer one that is wanted from there."""

@@ -25,13 +25,14 @@ SHORT: Final = 1e-6  # arclength of a step that is not asked: at a corner none i
 
 
 def first_unexplained(
-    chunk: Chunk, before: Sample | None, length: float, scale: Array, angle_periods: Array, noise: float, each: bool
-) -> int | None:
-    """The first row from which a step is not that of one smooth curve; None: all are.
+    chunk: Chunk, before: Sample | None, length: float, scale: Array, angle_periods: Array, noise: float, least: float,
+    each: bool,
+) -> int | None:  # fmt: skip
+    """The first row from which a step is not that of one smooth curve, and can be halved; None: there is none.
 
     before, length : the sample before row 0, where there is one, and the step from it.  noise : what the corrector
-    leaves in scaled unknowns.  each : whether every unknown is asked, not only all together (values on a mesh, of which
-    some change fast anywhere).
+    leaves in scaled unknowns.  least : the smallest step.  each : whether every unknown is asked in its own size, not
+    only in the step's (values on a mesh: some change fast anywhere).
     """
     y, t, h = chunk.z / scale, chunk.tangents, chunk.lengths[1:, None]
     slopes, moved = np.abs(t), np.abs(y[1:] - y[:-1])
@@ -53,5 +54,5 @@ def first_unexplained(
         strange |= apart
     if not strange.any():
         return None
-    rows = np.flatnonzero(strange.any(axis=1) & (h[:, 0] > SHORT))
+    rows = np.flatnonzero(strange.any(axis=1) & (h[:, 0] > max(SHORT, 2.0 * least)))
     return int(rows[0]) if rows.size else None
