@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,13 +94,20 @@ class LargeEquations(InOneParameterProblem):
 
     def form(self, z: Array, *directions: Vector, system: FunctionSystem | None = None) -> Vector:
         """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex; by default of its own system."""
-        n = self.n
-        wide = []
-        for d in directions:
-            v = np.zeros(n + self.system.m, d.dtype)
-            v[:n], v[n + self.active] = d[:n], d[n]
-            wide.append(v)
-        return (system or self.system).derivative(z[:n], self.full_parameters(z), *wide)
+        wide = [self._among_all(d) for d in directions]
+        return (system or self.system).derivative(z[: self.n], self.full_parameters(z), *wide)
+
+    def functional(
+        self, left: Callable[[Vector], Any], z: Array, v: Vector, order: int, system: FunctionSystem
+    ) -> float:  # fmt: skip
+        """left(D^kF(z)[v, ..., v]) of a linear functional, k = `order`, real v (n + 1,)."""
+        return system.functional(left, z[: self.n], self.full_parameters(z), self._among_all(v), order)
+
+    def _among_all(self, d: Vector) -> Vector:
+        """A direction (n + 1,) among all parameters, (n + m,)."""
+        v = np.zeros(self.n + self.system.m, d.dtype)
+        v[: self.n], v[self.n + self.active] = d[: self.n], d[self.n]
+        return v
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> LargeLinearisation | None:
         f = self.residual(z)

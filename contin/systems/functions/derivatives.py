@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ COMPLEX_STEP = 1e-30
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
 
 Function = Callable[[Vector, Vector], Vector]
+Functional = Callable[[Vector], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,22 +71,36 @@ class Lines:
 
     def pure(self, u: Array, p: Array, v: Array, order: int) -> Array:
         """D^k F[v, ..., v], k = `order`."""
+        return self._pure(self.function, len(u), u, p, v, order)
+
+    def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
+        """left(D^k F[v, ..., v]), k = `order`, of a linear functional.
+
+        Of an analytic F one series of numbers: how it converges is asked of what is wanted, and not of components of F
+        whose derivatives are below the rounding of F, for which circle after circle is tried.
+        """
+        if not self.analytic:
+            return float(np.real(left(self.pure(u, p, v, order))))
+        value = lambda at, others: np.array([left(self.function(at, others))])  # noqa: E731
+        return float(self._pure(value, 1, u, p, v, order)[0])
+
+    def _pure(self, function: Function, size: int, u: Array, p: Array, v: Array, order: int) -> Array:
         n = len(u)
         reach = self._reach(u, p, v)
         if reach == 0.0:
-            return np.zeros(n)
+            return np.zeros(size)
         along, across = v[:n], v[n:]
         if self.analytic:
 
             def on_line(t: complex) -> Vector:
-                return np.asarray(self.function(u + t * along, p + t * across))
+                return np.asarray(function(u + t * along, p + t * across))
 
-            return derivative_on_circle(on_line, order, reach * self.wider, n)
+            return derivative_on_circle(on_line, order, reach * self.wider, size)
         if self.slope is not None and order > 1:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
             return differentiated(ahead, order - 1, reach * self.wider, self.levels)
-        ahead = lambda t: self.function(u + t * along, p + t * across)  # noqa: E731
+        ahead = lambda t: function(u + t * along, p + t * across)  # noqa: E731
         return differentiated(ahead, order, reach * self.wider, self.levels)
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:

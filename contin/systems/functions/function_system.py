@@ -376,6 +376,13 @@ class FunctionSystem:
         vectors = tuple(np.asarray(d) for d in directions)
         return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
 
+    def functional(self, left: Callable[[Vector], Any], u: ArrayLike, p: ArrayLike, v: Vector, order: int) -> float:
+        """left(D^k F(z)[v, ..., v]), of a linear functional and a real direction v (n + m,), k = `order`."""
+        if self.model.derivative is not None:
+            return float(np.real(left(self.derivative(u, p, *[v] * order))))
+        with np.errstate(all="ignore"):
+            return self.lines.functional(left, np.array(u, dtype=float), np.array(p, dtype=float), v, order)
+
     @property
     def error_of_slopes(self) -> float:
         """Relative, of an entry of the Jacobian; 0 where it is given, or comes from complex steps."""
