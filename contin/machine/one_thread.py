@@ -12,9 +12,12 @@ import os
 import sys
 from contextlib import ContextDecorator, ExitStack
 from threading import Lock
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from contin.machine import environment
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 USES_IT: Final = "scipy.sparse"  # where this is there, scipy.linalg comes soon, with a BLAS of its own
 
@@ -24,6 +27,7 @@ class OneThread(ContextDecorator):
 
     def __init__(self) -> None:
         self._depth, self._lock, self._limits = 0, Lock(), ExitStack()
+        self._libraries: tuple[int, ThreadpoolController] | None = None
 
     def __enter__(self) -> OneThread:
         with self._lock:
@@ -31,10 +35,17 @@ class OneThread(ContextDecorator):
             if self._depth == 1 and not chosen():
                 if USES_IT in sys.modules:
                     import scipy.linalg  # noqa: F401 - before its threads are counted
-                from threadpoolctl import threadpool_limits
-
-                self._limits.enter_context(threadpool_limits(limits=1, user_api="blas"))
+                self._limits.enter_context(self._found().limit(limits=1, user_api="blas"))
         return self
+
+    def _found(self) -> ThreadpoolController:
+        """The libraries that are loaded, looked for (which takes some ms) only where something was imported since."""
+        from threadpoolctl import ThreadpoolController
+
+        imported = len(sys.modules)
+        if self._libraries is None or self._libraries[0] != imported:
+            self._libraries = imported, ThreadpoolController()
+        return self._libraries[1]
 
     def __exit__(self, *raised: object) -> None:
         with self._lock:

@@ -5,6 +5,10 @@ import os
 import subprocess
 import sys
 
+import pytest
+import threadpoolctl
+
+from contin.machine import one_thread
 from contin.machine.environment import THREADS
 
 PROGRAM = """
@@ -48,3 +52,25 @@ def test_inside_there_is_one_and_afterwards_what_there_was():
 def test_who_has_chosen_keeps_the_choice():
     before, *inside = threads_of(OPENBLAS_NUM_THREADS="2")
     assert inside == [before]
+
+
+def test_libraries_are_looked_for_again_only_where_something_was_imported(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = []
+
+    class Counted(threadpoolctl.ThreadpoolController):
+        def __init__(self) -> None:
+            looks.append(1)
+            super().__init__()
+
+    monkeypatch.setattr(threadpoolctl, "ThreadpoolController", Counted)
+    monkeypatch.setattr(one_thread, "chosen", lambda: False)
+    limit = one_thread.OneThread()
+    for _ in range(3):
+        with limit, limit:
+            blas = [each["num_threads"] for each in threadpoolctl.threadpool_info() if each["user_api"] == "blas"]
+            assert set(blas) <= {1}
+    looks_of_info = 3
+    assert len(looks) == 1 + looks_of_info
+    monkeypatch.setitem(sys.modules, "a_module_that_was_not_there", sys)
+    with limit:
+        assert len(looks) == 2 + looks_of_info
