@@ -15,6 +15,8 @@ ANY: Final = 1_000_000
 TURNS: Final = 1e-5  # scaled slope of the parameter at a pitchfork: so small along the branch that turns there,
 STEEP: Final = 1e-2  # ... and larger along the one that is crossed
 BESIDE: Final = 3  # rows about a corner that the corrector may put on either of its arms
+TURNED: Final = 1e-6  # scaled slope of the parameter beyond which its sign is no rounding error
+SEEN: Final = ("UZ", "EX")  # what tells of no event
 TWICE: Final = ("BP", "BPC")  # points that a branch may pass twice
 BEYOND, ROUNDED = 0.2, 1e-12  # of two rows' distance, for what bends between them; of values
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
@@ -95,6 +97,19 @@ def unexplained(
         if not _is_sum(int(changes[place]), parts, slack) and not (first in excused and row in excused):
             found.append(row)
     return found
+
+
+def untold_turns(
+    slopes: NDArray[np.float64], labels: Iterable[tuple[int, Verified, float]], jumps: Iterable[int]
+) -> list[int]:  # fmt: skip
+    """Rows before which the parameter turns, where no label lies between and no note tells of a corner.
+
+    slopes (rows,) : of the parameter along the branch, scaled.  A smooth fold changes `unstable`; a corner need not.
+    """
+    told = {row for row, point, _ in labels if point.type not in SEEN} | set(jumps)
+    sure = np.abs(slopes) > TURNED
+    turning = np.flatnonzero(sure[1:] & sure[:-1] & (slopes[1:] * slopes[:-1] < 0.0)) + 1
+    return [int(row) for row in turning if row not in told and row - 1 not in told]
 
 
 def passed_again(

@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
-from contin.continuation.explained import first_unexplained
+from contin.continuation.explained import Unexplained, first_unexplained
 from contin.continuation.last_step import Again, Behind, Course, resolve
 from contin.continuation.location.isolate import LOST_IN_ROUNDING
 from contin.continuation.location.through_zero import ThroughZero
@@ -21,7 +21,7 @@ from contin.continuation.outcome import Corner, Jump, Verified
 from contin.continuation.problem import Problem, Renewal, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
-from contin.linalg.vectors import dot
+from contin.linalg.vectors import dot, norm
 from contin.special.table import special_type
 
 JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
@@ -30,6 +30,7 @@ BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
 MOST_RETRIES: Final = 8  # quarterings of steps to changes that stay unexplained: tests are rounding there, and ...
 PASSING: Final = -1  # ... the next step, from the last row, passes that place
+NEAR: Final = 4.0  # steps: what a corner is crossed to lies so near to the row before
 NOISE: Final = 10.0  # of the corrector's tolerance: what it leaves in a row
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 
@@ -160,7 +161,10 @@ class Arm:
             chunk, finer = self._until_unresolved(
                 march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
             )
-            row = self._first_unexplained(chunk, before, length)
+            strange = self._first_unexplained(chunk, before, length)
+            row, over = (None, None) if strange is None else (strange.long, strange.over)
+            if over is not None and (row is None or over <= row) and self._is_at_corner(chunk, over, frame):
+                return chunk.cut(over + 2, Stop.CORNER, settings.first_step), origin, before, None
             if row is not None:  # again from there, with half the step
                 shorter = 0.5 * float(chunk.lengths[row + 1])
                 if row == 0:
@@ -171,7 +175,15 @@ class Arm:
                 return chunk, origin, before, finer
             origin, before, length, step = self._measure_in(finer, origin, None)[0], None, 0.0, settings.first_step
 
-    def _first_unexplained(self, chunk: Chunk, before: Sample | None, length: float) -> int | None:
+    def _is_at_corner(self, chunk: Chunk, row: int, frame: Frame) -> bool:
+        """True where a corner, crossed from a row, lies in the step that has led from there to another branch."""
+        last = chunk.sample(row)
+        crossed = self.problem.cross_corner(last, Frame(self.scale, frame.reference, frame.gauge), self.course.settings)
+        if crossed is None:
+            return False
+        return norm((crossed[0].z - last.z) / self.scale) <= NEAR * float(chunk.lengths[row + 1])
+
+    def _first_unexplained(self, chunk: Chunk, before: Sample | None, length: float) -> Unexplained | None:
         """See `first_unexplained`."""
         if len(chunk) < 2 or chunk.stop is Stop.CORNER:
             return None
@@ -311,6 +323,7 @@ class Arm:
         beyond, point = crossed
         marks: tuple[Row, ...] = ()
         notes: tuple[str, ...] = ()
+        corners: tuple[int, ...] = ()
         if isinstance(point, Verified):
             if not course.is_known(point, self.scale):
                 course.known.append(point)
@@ -318,11 +331,12 @@ class Arm:
         elif isinstance(point, Corner):
             turns = beyond.tangent[-1] * chunk.tangents[-1][-1] < 0.0
             notes = (f"{TURNS if turns else BENDS} near {course.position(point.z)}",)
+            corners = (1,) if turns else ()
         elif chunk.unstable[-1] != beyond.unstable and isinstance(point, Jump) and point.at is not None:
             notes = (f"at {course.position(point.at)}, {point.text}",)
         elif chunk.unstable[-1] != beyond.unstable:
             notes = (f"{JUMPS} near {course.position(beyond.z)}",)
-        jumps = () if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)
+        jumps = corners if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)
         return beyond, replace(Segment.single(beyond, self.scale), found=marks, notes=notes, jumps=jumps)
 
     def _other_arm(self, chunk: Chunk, segment: Segment) -> Sample | None:

@@ -9,9 +9,11 @@ the slope before foretold, and none after), the slope itself is not what the two
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.sample import Chunk, Sample
@@ -19,16 +21,29 @@ from contin.continuation.sample import Chunk, Sample
 UNEXPLAINED: Final = 0.2  # part of a state's change, or of its slopes' (of resolved steps: 1e-3)
 STRAY: Final = 0.6  # part of a state's largest slope by which it differs from the line through the two before
 ASIDE: Final = 0.09  # part of a step's length by which a state is not where the mean tangent leads (of resolved: 1e-2)
-VANISHED: Final = 1e-6  # part of a state and its slope that a step leaves of both: it is zero on another branch
+VANISHED: Final = 1e-2  # part of a state that a step leaves of it, ...
+LEVEL: Final = 0.1  # ... and part of its slope: it is zero on another branch, where the corrector has just come to
 COUNTS: Final = 3e-4  # of its scale: a state that changes less in a step is not asked by itself (a cubic's flat middle)
+CORNERED: Final = 1e-3  # arclength of a step in which a corner is looked for
 SHORT: Final = 1e-6  # arclength of a step that is not asked: at a corner none is explained
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """The first rows from which a step is not that of one smooth curve, None where there is none.
+
+    long : that can be halved.  over : that leaves nothing of a state, and is so short that a corner explains it.
+    """
+
+    long: int | None
+    over: int | None
 
 
 def first_unexplained(
     chunk: Chunk, before: Sample | None, length: float, scale: Array, angle_periods: Array, noise: float, least: float,
     each: bool,
-) -> int | None:  # fmt: skip
-    """The first row from which a step is not that of one smooth curve, and can be halved; None: there is none.
+) -> Unexplained | None:  # fmt: skip
+    """Steps that are not those of one smooth curve; None: there are none.
 
     before, length : the sample before row 0, where there is one, and the step from it.  noise : what the corrector
     leaves in scaled unknowns.  least : the smallest step.  each : whether every unknown is asked in its own size, not
@@ -38,6 +53,7 @@ def first_unexplained(
     slopes, moved = np.abs(t), np.abs(y[1:] - y[:-1])
     left = np.abs(y[1:] - y[:-1] - 0.5 * h * (t[:-1] + t[1:]))
     strange = left > ASIDE * h + noise
+    vanished = np.zeros_like(strange)
     if each:
         steepest = np.maximum(slopes[:-1], slopes[1:])
         apart = left > UNEXPLAINED * np.maximum(steepest * h, moved)
@@ -47,12 +63,18 @@ def first_unexplained(
             change = np.abs(bend[0] - (t[0] - before.tangent) / length) * h[0]
             apart[0] |= change > STRAY * np.maximum(steepest[0], np.abs(before.tangent))
         size = np.abs(y)
-        vanished = (size[1:] < VANISHED * size[:-1]) & (slopes[1:] < VANISHED * slopes[:-1]) & (moved > noise)
+        vanished = (size[1:] < VANISHED * size[:-1]) & (slopes[1:] < LEVEL * slopes[:-1]) & (moved > noise)
+        vanished[:, :-1] &= angle_periods == 0.0
+        vanished[:, -1] = False
         apart &= moved > max(noise, COUNTS)
-        apart |= vanished
         apart[:, :-1] &= angle_periods == 0.0
-        strange |= apart
+        strange |= apart | vanished
     if not strange.any():
         return None
-    rows = np.flatnonzero(strange.any(axis=1) & (h[:, 0] > max(SHORT, 2.0 * least)))
-    return int(rows[0]) if rows.size else None
+    long, over = h[:, 0] > max(SHORT, 2.0 * least), vanished.any(axis=1) & (h[:, 0] < CORNERED)
+    return Unexplained(_first(strange.any(axis=1) & long), _first(over))
+
+
+def _first(rows: NDArray[np.bool_]) -> int | None:
+    """The first true one."""
+    return int(np.argmax(rows)) if rows.any() else None

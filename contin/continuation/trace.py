@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.accounting import MET, passed_again, unexplained
+from contin.continuation.accounting import MET, passed_again, unexplained, untold_turns
 from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
 from contin.continuation.branch import Branch, End, SpecialPoint
@@ -23,6 +24,7 @@ from contin.continuation.ends.repeating import until_repeating
 from contin.continuation.ends.retracing import until_retracing
 from contin.continuation.ends.standing import until_standing
 from contin.continuation.ends.unbounded import until_lost
+from contin.continuation.gone_over import gone_over
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
@@ -39,6 +41,11 @@ from contin.machine.freed import give_back
 from contin.machine.one_thread import one_thread
 from contin.records import Fields, Record
 
+OVER: Final = (
+    "the branch has gone over to another solution, on which a state vanishes: where the two meet is not labelled, and "
+    "what lies beyond on the first one is not followed"
+)
+TURNED: Final = "the parameter turns between two rows without a label: at a corner, or from one branch to another"
 Watcher = Callable[[Record], None]
 
 
@@ -207,6 +214,8 @@ def _assemble(
     unlabelled = sum(not passed_again(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     notes += _remarks(rows.labelled, problem)
+    astray = _astray(problem, z, raw_tangents, labels, departure.scale, start_row, (born, rows.jumps))
+    notes += astray
     if seed.scale is None:
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
         notes += [problem.guess_note(moving)] if moving else []
@@ -224,8 +233,25 @@ def _assemble(
         locus=problem.locus, free=problem.free_names,
         parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
         jumped=max(unlabelled - len(changes), 0),
-        unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.segments),
+        unexplained=len(changes) + len(astray) + sum(p.hiding for r in records.values() for p in r.segments),
     )  # fmt: skip
+
+
+def _astray(
+    problem: Problem, z: Array, tangents: Array, labels: list[tuple[int, Verified, float]], scale: Array, start: int,
+    special: tuple[list[int], list[int]],
+) -> list[str]:  # fmt: skip
+    """A note for every step that has led over to another branch, or round a corner, without a label.
+
+    special : rows at special points of other branches, and at corners.
+    """
+    if problem.adaptive or in_two_parameters(problem):
+        return []
+    born, jumps = special
+    turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
+    over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale)
+    places = [*((TURNED, row) for row in turns), *((OVER, row) for row in over)]
+    return [f"{text} near {position(problem, z[row])} (row {row})" for text, row in places]
 
 
 def _effort(records: dict[int, _ArmRecord], problem: Problem, before: Mapping[str, int]) -> dict[str, int]:

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Jump, Outcome, Verified
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
-from contin.problems.equilibria.on_surface import STEP, at_height, far, on_surface
+from contin.problems.equilibria.on_surface import STEP, OnSurface, at_height, far, on_surface
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -45,16 +45,24 @@ def verify_corner(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fram
         solved = on_surface(problem, int(k), 0.5 * (a.z + b.z), a, frame)
         if solved is None:
             continue
-        z, residual, error = solved
+        z = solved.z
         if not crossed[k] and np.linalg.norm((z - a.z) / frame.scale) > gap:
             continue
         if a.tests[0] * b.tests[0] < 0.0 or _turns_at(problem, z, a, b, frame.scale):
             stable = min(a.unstable, b.unstable)
-            return Verified("LP", z, residual, error, a.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": int(k)})
+            return _fold(solved, a, stable, int(k))
         if a.unstable != b.unstable:
             return Jump(JUMPS, z)
         return NOTHING
     return None
+
+
+def _fold(solved: OnSurface, beside: Sample, stable: int, k: int) -> Verified:
+    """The fold at a corner on surface k."""
+    return Verified(
+        "LP", solved.z, solved.residual, solved.error, beside.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": k},
+        remark=solved.remark,
+    )  # fmt: skip
 
 
 def _turns_at(problem: AlgebraicEquations, z: Array, a: Sample, b: Sample, scale: Array) -> bool:
@@ -138,7 +146,7 @@ def cross_corner(
         solved = on_surface(problem, int(k), last.z, last, frame)
         if solved is None:
             continue
-        z, residual, error = solved
+        z = solved.z
         across = _room(surfaces, z, last.tangent * scale, int(k))
         _, matrix = problem.linearise(z + across * scale * last.tangent)
         tangent = np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1]
@@ -156,9 +164,8 @@ def cross_corner(
             continue
         turns = beyond.tangent[-1] * last.tangent[-1] < 0.0 and abs(float(last.tangent[-1])) > VERTICAL
         stable = min(last.unstable, beyond.unstable)
-        form, vectors = {"kind": "nonsmooth"}, {"switch": int(k)}
         if turns:
-            return beyond, Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors)
+            return beyond, _fold(solved, last, stable, int(k))
         return beyond, None if last.unstable == beyond.unstable else Jump(JUMPS, z)
     return None
 

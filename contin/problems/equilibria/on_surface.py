@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, by_steps, solution
 from contin.linalg.vectors import norm
+from contin.problems.equilibria.onto_surface import limit_on_surface, meets_another
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -22,12 +24,26 @@ CORNERED = 1e-4  # scaled distance from a guess beyond which its corner is anoth
 HEIGHTS = (1.0, 1e-2, 1e-4, 1e-6, 1e-8)  # ... of that, above a surface that the branch leaves like a root
 ROUNDINGS = 4.0  # of z: beside a corner
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
+ANOTHER = "another branch lies in the surface at which this one turns: a branch point at a corner; it is not followed"
+
+
+@dataclass(frozen=True, eq=False)
+class OnSurface:
+    """A solution on a switching surface, the error of its parameter, and what is to be said about it."""
+
+    z: Array
+    residual: float
+    error: float
+    remark: str = ""
 
 
 def on_surface(
     problem: AlgebraicEquations, k: int, z: Array, side: Sample, frame: Frame
-) -> tuple[Array, float, float] | None:
-    """Newton on F = 0, h_k = 0 with the Jacobian of one side."""
+) -> OnSurface | None:
+    """Newton on F = 0, h_k = 0 with the Jacobian of one side.
+
+    Where another branch lies in the surface, there are many solutions: the limit of the branch's own points is taken.
+    """
     n, scale = problem.n, frame.scale
     system = problem.system
 
@@ -53,13 +69,20 @@ def on_surface(
     if found is None:  # the corner is not verified, in words
         return None
     z, before, left = found.at, found.made, missed(found.at)
+
+    def matrix_at(point: Array) -> Array:
+        return np.vstack([problem.linearise(point)[1] * scale / scale[:-1, None], gradient / size])
+
+    if meets_another(matrix_at, z, side.z):
+        limit = limit_on_surface(problem, surface, gradient, side.z, scale)
+        return None if limit is None else OnSurface(*limit, ANOTHER)
     f, scatter = _from_the_smoother_side(problem, z, gradient)
     moved = np.linalg.solve(bordered, np.append(-f / scale[:-1], 0.0))
     spread = float(abs(np.linalg.solve(bordered, np.append(scatter / scale[:-1], 0.0))[-1]))
     error = float(scale[-1] * (max(before, 1e-15) * 4.0 + spread))
     if np.linalg.norm(moved) < 1e-6:
         z = z + scale * moved
-    return z, float(np.max(np.abs(left))), error
+    return OnSurface(z, float(np.max(np.abs(left))), error)
 
 
 def _from_the_smoother_side(problem: AlgebraicEquations, z: Array, gradient: Array) -> tuple[Array, Array]:
