@@ -193,8 +193,8 @@ class BoundaryProblem(BoundaryEquations):
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         profile = self.profile(z[0])
         natural = self.natural_sizes(trimmed(z[0]), profile, abs(profile.parameter) or 1.0)
-        found = defects.remark(self, z, natural)
-        return [found] if found else []
+        found = [defects.remark(self, z, natural), defects.remark_on_ends(self, z, natural)]
+        return [remark for remark in found if remark]
 
     def _nearest_to_null(self, z: Array) -> Array | None:
         """(nodes, k) of largest value 1: the functions by which another branch would leave this one.

@@ -20,6 +20,7 @@ from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.mesh.adaption import estimate
 from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.small_ends import error_at_small_ends
 
 if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
@@ -93,6 +94,22 @@ def resolving(
         parts = np.where(split, 2, 1)
         h, open_ = np.repeat(h / parts, parts), np.repeat(split, parts)
     return h
+
+
+def remark_on_ends(problem: BoundaryEquations, z: Array, natural: Array) -> str:
+    """That values at ends where functions are small are not known to many digits on these meshes; of rows z."""
+    worst, where = 0.0, 0
+    for row in np.unique(np.linspace(0, len(z) - 1, ROWS).astype(int)):
+        error = error_at_small_ends(problem.profile(z[row]), natural)
+        if error > max(worst, UNRESOLVED * problem.tolerance):
+            worst, where = error, int(row)
+    if worst == 0.0:
+        return ""
+    return (
+        f"at ends where a function is much smaller than elsewhere it is known to about {min(worst, 1.0):.0e} of its "
+        f"own size only near {problem.parameters[0]} = {float(z[where, -1]):.6g}: so are its .start or .end there. Try "
+        "more settings.intervals"
+    )
 
 
 def remark(problem: BoundaryEquations, z: Array, natural: Array) -> str:

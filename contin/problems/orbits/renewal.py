@@ -60,7 +60,7 @@ def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float, bes
     if beside is not None:
         whole = replace(profile, u=np.hstack([profile.u, beside]))
         accurate = np.append(grown, np.ones(beside.shape[1]))
-    estimated = estimate(whole, accurate, problem.closed)
+    estimated = estimate(whole, accurate, problem.closed, profile.n)
     error, fixed = estimated[0], problem.intervals
     if error > NEARLY * problem.tolerance or fixed != len(h):
         chosen = choose_mesh(whole, accurate, problem.tolerance, fixed, estimated, problem.closed)

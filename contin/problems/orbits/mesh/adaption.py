@@ -18,6 +18,7 @@ from contin.kernels.collocation_mesh import mesh_error
 from contin.machine import elementary
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.sizes import TINY_STATE
+from contin.problems.orbits.mesh.small_ends import towards_small_ends
 
 SMALLEST, LARGEST = 10, 400  # number of intervals
 FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
@@ -37,10 +38,13 @@ class MeshChoice:
     error: float
 
 
-def estimate(profile: Profile, sizes: Array, closed: bool = True) -> tuple[float, Array]:
+def estimate(
+    profile: Profile, sizes: Array, closed: bool = True, states: int | None = None
+) -> tuple[float, Array]:  # fmt: skip
     """Largest error inside an interval relative to the states' sizes, and |u^(m + 1)| of every interval.
 
-    closed : the solution is periodic, and its last interval followed by the first.
+    closed : the solution is periodic, and its last interval followed by the first.  Where it is not, errors count
+    towards small ends too, of the first `states` functions (all).
     """
     scheme = basis(profile.m)
     density = np.empty(profile.intervals)
@@ -48,6 +52,10 @@ def estimate(profile: Profile, sizes: Array, closed: bool = True) -> tuple[float
         profile.vector(), profile.n, profile.m, profile.intervals, closed, scheme.top, scheme.error, sizes, density
     )
     if not closed:
+        towards = towards_small_ends(profile, sizes, states) if profile.intervals > 1 else np.zeros(1)
+        if towards.any():
+            density = np.maximum(density, towards)
+            error = max(error, float(np.max(scheme.error * elementary.pow(profile.h, profile.m + 1) * density)))
         return float(error), density
     small = _of_one_sign_and_small(profile, sizes)
     if small.size:
