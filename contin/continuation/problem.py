@@ -271,7 +271,7 @@ class Problem(ABC):
         return None
 
     def past_half(self, z: Array) -> int | None:
-        """The first of the rows z, on curves of cycles of maps, before which cycles of half the period were passed."""
+        """The first of the rows z, on curves of cycles, before which cycles of half the period were passed."""
         return None
 
     def end_at(self, point: Verified) -> End | None:

@@ -1,4 +1,4 @@
-"""Curves of cycles of maps that come to cycles of half the period: beyond, the same ones follow from their other half.
+"""Curves of cycles that come to cycles of half the period: beyond, the same ones follow from their other half.
 
 So end curves of tori of doubled cycles at R2 of the cycles they were doubled from, and curves of their folds at GPD.
 """

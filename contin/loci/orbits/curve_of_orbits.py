@@ -16,6 +16,7 @@ from contin.problems.orbits.hopf_end import SMALL
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 HALVES = 100
+OPPOSITE: Final = 0.9  # cosine of the ways from one half to the other of neighbouring orbits that have changed places
 ANGLES: Final = {  # of critical multipliers, of types with one of them
     "CPC": 0.0, "R1": 0.0, "GPD": np.pi, "R2": np.pi, "R3": 2.0 * np.pi / 3.0, "R4": 0.5 * np.pi,
 }  # fmt: skip
@@ -35,11 +36,28 @@ class CurveOfSpecialOrbits(OfPeriodicOrbits):
             return False
         return float(np.sum(self._halves_apart(before, scale) * self._halves_apart(here, scale))) < 0.0
 
+    def past_half(self, z: Array) -> int | None:
+        """Where the two halves of a doubled orbit have changed places from row to row: past R2 on a curve of NS.
+
+        States are compared in the sizes of their differences, whatever the metric of a chunk.
+        """
+        if self.locus != "NS" or self.curve.orbits.multiple % 2 or len(z) < 2:
+            return None
+        apart = np.array([self._halves_in_units(row) for row in z])
+        largest = np.abs(apart).max(axis=(0, 1))
+        apart = (apart / np.where(largest > 0.0, largest, 1.0)).reshape(len(z), -1)
+        lengths = np.linalg.norm(apart, axis=1)
+        turned = np.flatnonzero(np.sum(apart[1:] * apart[:-1], axis=1) < -OPPOSITE * lengths[1:] * lengths[:-1])
+        return int(turned[0]) + 1 if len(turned) else None
+
     def _halves_apart(self, z: Array, scale: Array) -> Array:
         """u(x + 1/2) - u(x), relative to the states' sizes, at `HALVES` times in half a period."""
-        orbits, u, times = self.curve.orbits, self.curve.profile(z), np.linspace(0.0, 0.5, HALVES)
-        sizes = orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
-        return np.asarray((u.at(times + 0.5) - u.at(times) - 0.5 * orbits.winding) / sizes)
+        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
+        return np.asarray(self._halves_in_units(z) / sizes)
+
+    def _halves_in_units(self, z: Array) -> Array:
+        u, times = self.curve.profile(z), np.linspace(0.0, 0.5, HALVES)
+        return np.asarray(u.at(times + 0.5) - u.at(times) - 0.5 * self.curve.orbits.winding)
 
     @abstractmethod
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
