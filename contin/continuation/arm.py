@@ -30,6 +30,8 @@ BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
 MOST_RETRIES: Final = 8  # quarterings of steps to changes that stay unexplained: tests are rounding there, and ...
 PASSING: Final = -1  # ... the next step, from the last row, passes that place
+STUCK: Final = "no step is taken in any metric: what is followed shrinks to a point there, or is singular"
+MOST_IDLE: Final = 20  # each in a metric of its own, where one serves at all
 NEAR: Final = 4.0  # steps: what a corner is crossed to lies so near to the row before
 NOISE: Final = 10.0  # of the corrector's tolerance: what it leaves in a row
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
@@ -51,6 +53,7 @@ class Arm:
     accepted: int = 0
     retraced: int = 0  # last segments, which are rows of the arm once more
     zeros: ThroughZero = field(init=False)
+    idle: int = 0  # chunks in succession without a step that want another metric
     retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
 
     def __post_init__(self) -> None:
@@ -176,10 +179,10 @@ class Arm:
             origin, before, length, step = self._measure_in(finer, origin, None)[0], None, 0.0, settings.first_step
 
     def _is_at_corner(self, chunk: Chunk, row: int, frame: Frame) -> bool:
-        """True where a corner, crossed from a row, lies in the step that has led from there to another branch."""
+        """True where a corner at which the branch turns lies in the step that has led from a row to another branch."""
         last = chunk.sample(row)
         crossed = self.problem.cross_corner(last, Frame(self.scale, frame.reference, frame.gauge), self.course.settings)
-        if crossed is None:
+        if crossed is None or not isinstance(crossed[1], Verified):
             return False
         return norm((crossed[0].z - last.z) / self.scale) <= NEAR * float(chunk.lengths[row + 1])
 
@@ -267,6 +270,9 @@ class Arm:
             chunk, corner = _without_last(chunk, resolved.steps), None
             resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
             assert not isinstance(resolved, Again)
+        self.idle = self.idle + 1 if chunk.stop is Stop.RESCALE and len(chunk) == 1 else 0
+        if self.idle > MOST_IDLE:
+            resolved = resolved[0], End("corrector", f"at {self.course.position(chunk.z[-1])}, {STUCK}")
         return chunk, corner, resolved
 
     def _resolved(

@@ -21,8 +21,8 @@ from contin.continuation.sample import Chunk, Sample
 UNEXPLAINED: Final = 0.2  # part of a state's change, or of its slopes' (of resolved steps: 1e-3)
 STRAY: Final = 0.6  # part of a state's largest slope by which it differs from the line through the two before
 ASIDE: Final = 0.09  # part of a step's length by which a state is not where the mean tangent leads (of resolved: 1e-2)
-VANISHED: Final = 1e-2  # part of a state that a step leaves of it, ...
-LEVEL: Final = 0.1  # ... and part of its slope: it is zero on another branch, where the corrector has just come to
+VANISHED: Final = 1e-2  # part of a state that a step leaves of it where it is zero on another branch, ...
+LEVEL: Final = 0.1  # ... and part of its slope, where it is constant there
 COUNTS: Final = 3e-4  # of its scale: a state that changes less in a step is not asked by itself (a cubic's flat middle)
 CORNERED: Final = 1e-3  # arclength of a step in which a corner is looked for
 SHORT: Final = 1e-6  # arclength of a step that is not asked: at a corner none is explained
@@ -32,7 +32,8 @@ SHORT: Final = 1e-6  # arclength of a step that is not asked: at a corner none i
 class Unexplained:
     """The first rows from which a step is not that of one smooth curve, None where there is none.
 
-    long : that can be halved.  over : that leaves nothing of a state, and is so short that a corner explains it.
+    long : that can be halved.
+    over : that leads to where a state is constant, and is so short that a corner may explain it.
     """
 
     long: int | None
@@ -62,8 +63,8 @@ def first_unexplained(
         if before is not None and length > 0.0:
             change = np.abs(bend[0] - (t[0] - before.tangent) / length) * h[0]
             apart[0] |= change > STRAY * np.maximum(steepest[0], np.abs(before.tangent))
-        size = np.abs(y)
-        vanished = (size[1:] < VANISHED * size[:-1]) & (slopes[1:] < LEVEL * slopes[:-1]) & (moved > noise)
+        size, level = np.abs(y), (slopes[1:] < LEVEL * slopes[:-1]) & (moved > noise)
+        vanished = level & (apart | (size[1:] < VANISHED * size[:-1]))
         vanished[:, :-1] &= angle_periods == 0.0
         vanished[:, -1] = False
         apart &= moved > max(noise, COUNTS)

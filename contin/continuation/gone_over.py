@@ -1,12 +1,15 @@
-"""Whether a branch has gone over to another one on which a state is zero, without a label: past the top of a needle.
+"""Whether a branch has gone over to another one without a label: past the top of a needle, or at a corner.
 
 Where a branch that is narrow in the metric ends in a pitchfork, the corrector may find no other solution beyond its top
-than the one on which the state vanishes; steps cannot be made so short that the branch is seen to turn, and no test
-changes its sign. But then both solutions exist at the parameter of the last row before, and that is asked.
+than the branch that it meets there; steps cannot be made so short that the branch is seen to turn, and no test changes
+its sign. But then that other branch goes back, beside the first one, to the parameter of the last row before. So asked
+are steps whose change the slopes at their rows do not explain, whatever the coordinates, and those that leave next to
+nothing of a state, however small it was.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -15,65 +18,98 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Problem
 
-VANISHED: Final = 0.05  # part of a state that a few steps leave of it, and the steps after that too
 UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
-APART: Final = 0.5  # of a state: two solutions that differ by more are two
-MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs two solutions
+STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
+VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
+APART: Final = 0.5  # of a state's change: two solutions that differ by more are two
+MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs a few times `PARTS` solutions
+PARTS: Final = 8  # of a step, on the way back at fixed parameters
 BLOCK: Final = 1_000_000  # numbers that are looked at at once
 NEXT: Final = 3  # rows: one or two that the corrector leaves between two branches are none of either
 
 
 def gone_over(
-    problem: Problem, z: Array, tangents: Array, start: int, labelled: set[int], scale: Array
+    problem: Problem, z: Array, tangents: Array, start: int, labelled: set[int], scale: Array, noise: float
 ) -> list[int]:  # fmt: skip
     """The first rows of z (K, N), raw tangents beside, that on both ways from `start` are of another branch.
 
-    labelled : rows of special points, where branches meet.
+    labelled : rows of special points, where branches meet.  noise : of rows, in scaled unknowns.
     """
     found = []
     for sense in (1, -1):
         rows = np.arange(start, len(z)) if sense == 1 else np.arange(start, -1, -1)
-        near = [k for k in _falling(z[:, :-1], rows, problem.angle_periods) if _is_plain(rows, k, labelled)]
-        for here, there in [(rows[k], rows[min(k + NEXT, len(rows) - 1)]) for k in near[:MOST]]:
-            y, slopes = z[[here, there]] / scale, sense * tangents[[here, there]] / scale
-            if _is_unexplained(y, slopes) and _are_two(problem, z[here], z[there], scale):
-                found.append(int(there))
+        steps = [
+            k for k in _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise)
+            if labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])
+        ]  # fmt: skip
+        for k in steps[:MOST]:
+            last = min(k + NEXT, len(rows) - 1)
+            beyond = (last - 1, last) if k + NEXT < len(rows) else (last,)
+            if all(_are_two(problem, z[rows[k : row + 1]], scale, noise) for row in beyond):
+                found.append(int(rows[k + 1]))
                 break
     return sorted(found)
 
 
-def _falling(states: Array, rows: NDArray[np.intp], angle_periods: Array) -> list[int]:
-    """Places in `rows` beyond which a state other than an angle is next to nothing of what it is there."""
-    falling, block = [], max(1, BLOCK // states.shape[1])  # not a copy of all rows of large systems
+def _suspicious(
+    z: Array, tangents: Array, rows: NDArray[np.intp], scale: Array, angle_periods: Array, noise: float
+) -> list[int]:  # fmt: skip
+    """Places in `rows` from which a step is not what its slopes lead to, or leaves next to nothing of a state."""
+    found, block = [], max(NEXT + 1, BLOCK // len(scale))  # not a copy of all rows of large systems
     for first in range(0, len(rows) - 1, block):
-        near = np.arange(first, min(first + block, len(rows) - 1))
-        far = np.minimum(near + NEXT, len(rows) - 1)
-        size, left = np.abs(states[rows[near]]), np.abs(states[rows[far]])
-        fallen = (left < VANISHED * size) & (angle_periods == 0.0)
-        falling += [int(k) for k in near[fallen.any(axis=1)]]
-    return falling
+        part = rows[first : first + block + NEXT]
+        y, t = z[part] / scale, tangents[part] / scale
+        strange = _unexplained(y, t, noise)
+        far = np.minimum(np.arange(len(part) - 1) + NEXT, len(part) - 1)
+        strange |= _vanishing(y[:-1], y[far], t[:-1], t[far], noise)
+        strange[:, :-1] &= angle_periods == 0.0
+        found += [first + int(k) for k in np.flatnonzero(strange[:block, :-1].any(axis=1))]
+    return found
 
 
-def _is_plain(rows: NDArray[np.intp], k: int, labelled: set[int]) -> bool:
-    """True where no special point is among the rows about place k."""
-    return labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])
+def _unexplained(y: Array, t: Array, noise: float) -> NDArray[np.bool_]:
+    """(K - 1, N), of rows y with tangents t: where the parameter goes one way, and an unknown not as its slopes say."""
+    t = t / np.linalg.norm(t, axis=1)[:, None]
+    step = y[1:] - y[:-1]
+    h, moved, steep = np.linalg.norm(step, axis=1)[:, None], np.abs(step), np.maximum(np.abs(t[1:]), np.abs(t[:-1]))
+    apart = np.abs(step - 0.5 * h * (t[1:] + t[:-1])) > UNEXPLAINED * np.maximum(steep * h, moved)
+    bend = (t[1:] - t[:-1]) / np.where(h > 0.0, h, 1.0)
+    apart[1:] |= np.abs(bend[1:] - bend[:-1]) * h[1:] > STRAY * steep[1:]
+    return np.asarray(apart & (moved > noise) & (t[1:, -1:] * t[:-1, -1:] > 0.0))
 
 
-def _is_unexplained(y: Array, slopes: Array) -> bool:
-    """True where a state is next to nothing at the second of two points, and their slopes do not lead there."""
-    moved = y[1] - y[0]
-    length = float(np.linalg.norm(moved))
-    left = [np.abs(moved - length * slope)[:-1] for slope in (slopes[1], 0.5 * (slopes[0] + slopes[1]))]
-    size, falls = np.abs(y[0, :-1]), np.abs(y[1, :-1]) < VANISHED * np.abs(y[0, :-1])
-    return bool(np.any(falls & (np.maximum(*left) > UNEXPLAINED * size)))
+def _vanishing(near: Array, far: Array, t_near: Array, t_far: Array, noise: float) -> NDArray[np.bool_]:
+    """(K, N), of points and others a few rows on: where the slopes do not lead to how little is left, of unknowns or
+    of slopes that would have changed them by more than noise."""
+    moved = far - near
+    length = np.linalg.norm(moved, axis=1)[:, None]
+    left = np.maximum(np.abs(moved - length * t_far), np.abs(moved - 0.5 * length * (t_near + t_far)))
+    little = (np.abs(far) < VANISHED * np.abs(near)) & (left > UNEXPLAINED * np.abs(near))
+    level = (np.abs(t_far) < VANISHED * np.abs(t_near)) & (left > UNEXPLAINED * length * np.abs(t_near))
+    return np.asarray(little | (level & (length * np.abs(t_near) > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)))
 
 
-def _are_two(problem: Problem, here: Array, there: Array, scale: Array) -> bool:
-    """True where the solution `there` goes on to the parameter of the one before it, beside that."""
-    value = float(here[-1])
-    first, other = (problem.at_parameter(guess.copy(), value, scale) for guess in (here, there))
-    if first is None or other is None:
+def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
+    """True where the solution at the last of some rows goes back, by their parameters, to another than the first."""
+    here, there = z[0], z[-1]
+    first = problem.at_parameter(here.copy(), float(here[-1]), scale)
+    if first is None:
         return False
-    falls = np.abs(there[:-1]) < VANISHED * np.abs(here[:-1])
-    stays = np.abs(first[:-1] - here[:-1]) < APART * np.abs(here[:-1])
-    return bool(np.any(falls & stays & (np.abs(other[:-1]) < VANISHED * np.abs(first[:-1]))))
+    at, before = there, None
+    for place in _way_back(z[::-1, -1]):
+        guess = at.copy() if before is None else 2.0 * at - before
+        found = problem.at_parameter(guess, place, scale)
+        if found is None:
+            return False
+        before, at = at, found
+    moved, apart, size = (np.abs(v)[:-1] for v in (first - there, at - first, first))
+    away = (apart > APART * moved) & (moved > noise * scale[:-1])
+    falls = (np.abs(there[:-1]) < VANISHED * size) & (np.abs(at[:-1]) < VANISHED * size)
+    falls &= np.abs(first - here)[:-1] < APART * np.abs(here[:-1])
+    return bool(np.any(away | falls))
+
+
+def _way_back(parameters: Array) -> list[float]:
+    """From the first of some values to the last, by all of them, each step in `PARTS` parts."""
+    steps = [a + (b - a) * np.arange(1, PARTS + 1) / PARTS for a, b in pairwise(parameters)]
+    return [float(place) for step in steps for place in step]

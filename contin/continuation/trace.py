@@ -42,9 +42,10 @@ from contin.machine.one_thread import one_thread
 from contin.records import Fields, Record
 
 OVER: Final = (
-    "the branch has gone over to another solution, on which a state vanishes: where the two meet is not labelled, and "
-    "what lies beyond on the first one is not followed"
+    "the branch has gone over to another one beside it: where the two meet is not labelled, and what lies beyond on "
+    "the first one is not followed"
 )
+NOISE: Final = 1e-8  # scaled: what the corrector leaves in rows
 TURNED: Final = "the parameter turns between two rows without a label: at a corner, or from one branch to another"
 Watcher = Callable[[Record], None]
 
@@ -249,7 +250,7 @@ def _astray(
         return []
     born, jumps = special
     turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
-    over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale)
+    over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale, NOISE)
     places = [*((TURNED, row) for row in turns), *((OVER, row) for row in over)]
     return [f"{text} near {position(problem, z[row])} (row {row})" for text, row in places]
 

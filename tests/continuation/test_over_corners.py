@@ -52,6 +52,18 @@ def test_the_top_of_a_needle_is_labelled_or_told(form, beyond, k):
     assert labelled or failed or (branch.unexplained and branch.notes)
 
 
+@pytest.mark.parametrize("k", [4.0, 30.0])
+@pytest.mark.parametrize("beyond", [1e-4, 1e-2, 0.3])
+@pytest.mark.parametrize("form", NEEDLES)
+def test_where_the_trivial_branch_lies_makes_no_difference(form, beyond, k):
+    """x = 1 in place of x = 0."""
+    branch = _followed(NEEDLES[form].replace("x", "(x - 1)").replace("K", repr(k)), k * (1.0 + beyond))
+    labelled = [p for p in branch.points if p.type in ("BP", "LP")]
+    assert all(abs(p.values["a"] - k) <= p.error for p in labelled)
+    failed = any(end.reason == "corrector" for end in branch.ends)
+    assert labelled or failed or (branch.unexplained and branch.notes)
+
+
 @pytest.mark.parametrize("equation", ["max(0, 3 - a) - x", "exp(-30*a) - x", "2/(1 + (a/2)^40) - x"])
 def test_states_that_vanish_on_their_own_branch_are_no_reason_for_a_note(equation):
     branch = _followed(equation, 8.0)
