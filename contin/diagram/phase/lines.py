@@ -188,7 +188,8 @@ def _closed_gaps(
     for k, (line, sides) in enumerate(zip(lines, loose, strict=True)):
         for row in (row for row, is_loose in zip((0, -1), sides, strict=True) if is_loose):
             others = [place for place, owner in marked if owner != owners[k] or loci[owner].locus != "HOM"]
-            target = _nearest(line[row], others, [m for j, m in enumerate(lines) if j != k])
+            # the other half of a curve cut at its tip begins where this one ends, and leads nowhere
+            target = _nearest(line[row], others, [m for j, m in enumerate(lines) if owners[j] != owners[k]])
             if target is not None:
                 line = np.vstack([target[None], line]) if row == 0 else np.vstack([line, target[None]])
         result[k] = line
