@@ -67,7 +67,7 @@ def attractors(
 def _searchable(model: Any) -> bool:
     return (
         getattr(model, "forcing", None) is None
-        and len(model.state_names) <= BOX_UP_TO
+        and 0 < len(model.state_names) <= BOX_UP_TO
         and not (isinstance(model, FunctionProblem) and model.method != "dense")
     )
 
@@ -82,7 +82,8 @@ def _pushed(model: Any, one: FoundStart) -> FoundStart:
     if end.outcome not in ("rest", "moving") or moved < SAME:
         return one
     values = dict(zip(solution.system.parameter_names, solution.p.tolist(), strict=True))
-    state = dict(zip(solution.system.state_names, end.u.tolist(), strict=True))
+    names = solution.system.state_names
+    state = dict(zip(names, end.u.tolist(), strict=True)) if names else end.u
     try:
         return find_start(model, values, state)
     except ContinError:  # the given state is a solution all the same

@@ -10,11 +10,13 @@ import numpy as np
 from contin.api.fixed_totals import for_branches
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
+from contin.errors import InputError
 from contin.model.kinds import need_states
 from contin.model.model import Model
 from contin.records import Record
 from contin.search.equilibria_in_box import FoundEquilibrium, find, make_box
 from contin.simulate.natural import natural_metric
+from contin.systems.functions.function_problem import FunctionProblem
 
 USUAL: Final = 0.5  # half of the box of a state about which nothing is known
 RESOLVED: Final = 1e-3  # part of the box that a search tells from a point: it takes 1e-6 of it for the same
@@ -37,6 +39,11 @@ def find_equilibria(
     """
     refuse_forced(model)
     need_states(model, "equilibria")
+    if isinstance(model, FunctionProblem) and not model.state_names:
+        raise InputError(
+            f"{model.name!r} has {model.n} states without names, so that no box of them can be searched: "
+            "contin.deflated finds several solutions of a large system, from known ones and along a parameter"
+        )
     model = for_branches(model)
     need_parameters(model)
     system = compiled(model)

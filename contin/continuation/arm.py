@@ -267,13 +267,22 @@ class Arm:
         if isinstance(resolved, Again):  # the last step jumped to another branch: again, shorter
             self.retries += 1
             self._forget(corner)
-            chunk, corner = _without_last(chunk, resolved.steps), None
-            resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
-            assert not isinstance(resolved, Again)
+            corner = None
+            chunk, resolved = self._shortened(_without_last(chunk, resolved.steps), before, event)
         self.idle = self.idle + 1 if chunk.stop is Stop.RESCALE and len(chunk) == 1 else 0
         if self.idle > MOST_IDLE:
             resolved = resolved[0], End("corrector", f"at {self.course.position(chunk.z[-1])}, {STUCK}")
         return chunk, corner, resolved
+
+    def _shortened(
+        self, chunk: Chunk, before: Sample | None, event: Behind | None = None
+    ) -> tuple[Chunk, tuple[Segment, End | None]]:
+        """A chunk without those of its last steps that jumped to another branch, resolved."""
+        resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
+        while isinstance(resolved, Again):  # of a chunk without steps nothing is asked
+            chunk = _without_last(chunk, resolved.steps)
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
+        return chunk, resolved
 
     def _resolved(
         self, chunk: Chunk, before: Sample | None, corner: bool, event: Behind | None
@@ -287,8 +296,7 @@ class Arm:
         if not errors:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)
-        ready = resolve(self.course, rest, before, self.scale, self.loop)
-        assert not isinstance(ready, Again)
+        rest, ready = self._shortened(rest, before)
         return ready[0], End("corrector", f"after {self.course.position(rest.z[-1])}, {errors[0]}")
 
     def _measure_in(self, scale: Array, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:

@@ -95,15 +95,15 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     first = problem.at_parameter(here.copy(), float(here[-1]), scale)
     if first is None:
         return False
-    at, before = there, None
+    at, before, hop = there, None, np.zeros_like(there)
     for place in _way_back(z[::-1, -1]):
         guess = at.copy() if before is None else 2.0 * at - before
-        found = problem.at_parameter(guess, place, scale)
+        found = problem.at_parameter(guess.copy(), place, scale)
         if found is None:
             return False
-        before, at = at, found
+        before, at, hop = at, found, np.maximum(hop, np.abs(found - guess))
     moved, apart, size = (np.abs(v)[:-1] for v in (first - there, at - first, first))
-    away = (apart > APART * moved) & (moved > noise * scale[:-1])
+    away = (apart > APART * moved) & (moved > noise * scale[:-1]) & (hop[:-1] < APART * apart)
     falls = (np.abs(there[:-1]) < VANISHED * size) & (np.abs(at[:-1]) < VANISHED * size)
     falls &= np.abs(first - here)[:-1] < APART * np.abs(here[:-1])
     return bool(np.any(away | falls))

@@ -35,6 +35,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
 from contin.continuation.settings import Settings
+from contin.continuation.uncounted import uncounted, uncounted_note
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
 from contin.machine.freed import give_back
@@ -214,15 +215,16 @@ def _assemble(
     changes = [row for row in changes if not passed_again(row, unstable, columns, labels)]
     unlabelled = sum(not passed_again(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
-    notes += _remarks(rows.labelled, problem)
-    astray = _astray(problem, z, raw_tangents, labels, departure.scale, start_row, (born, rows.jumps))
-    notes += astray
+    unknown = uncounted(eigenvalues, [*born, *(row for row, *_ in labels)]) if exact else []
+    untold = _astray(problem, z, raw_tangents, labels, departure.scale, start_row, (born, rows.jumps))
+    untold += uncounted_note(unknown, columns, problem.parameters[0], len(z))
+    notes += [*_remarks(rows.labelled, problem), *untold]
     if seed.scale is None:
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
         notes += [problem.guess_note(moving)] if moving else []
     if problem.has_stability:
         columns["unstable"] = unstable
-        columns["stable"] = columns["unstable"] == 0
+        columns["stable"] = (unstable == 0) & ~np.isin(np.arange(len(unstable)), unknown)
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
     if len(problem.finite(z[0], eigenvalues[0])) < eigenvalues.shape[1]:  # of as many equations in every row
         eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
@@ -234,7 +236,7 @@ def _assemble(
         locus=problem.locus, free=problem.free_names,
         parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
         jumped=max(unlabelled - len(changes), 0),
-        unexplained=len(changes) + len(astray) + sum(p.hiding for r in records.values() for p in r.segments),
+        unexplained=len(changes) + len(untold) + sum(p.hiding for r in records.values() for p in r.segments),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from contin.kernels.compile import kernel
 
 RADIX = 2.0
 EPSILON = 2.220446049250313e-16
+SQUARED = 1e-145  # squares of what is below are lost, so that shifts of graded blocks do not converge
 
 
 @kernel("f2")
@@ -129,7 +130,8 @@ def hessenberg_qr(h, re, im, near_re, near_im):
                 s = abs(h[low - 1, low - 1]) + abs(h[low, low])
                 if s == 0.0:
                     s = norm
-                if abs(h[low, low - 1]) <= EPSILON * s:
+                below = abs(h[low, low - 1])
+                if below <= EPSILON * s or below <= min(SQUARED, EPSILON * norm):
                     h[low, low - 1] = 0.0
                     break
                 low -= 1

@@ -6,10 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contin.normalforms.jet import Jet, Real, lift, uncertain
+from contin.normalforms.jet import Jet, Real, along_units, lift, size_of_terms, uncertain
+from contin.normalforms.linear import solve
 from contin.normalforms.reduction import Reduction, reduce
 from contin.normalforms.result import TRUST, NormalForm
-from contin.normalforms.static import StateError, quadratic_error, second_order_error, state, state_lengths
+from contin.normalforms.static import (
+    ROUNDING,
+    StateError,
+    quadratic_error,
+    second_order_error,
+    state,
+    state_lengths,
+    static_matrix,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +181,16 @@ def _unseen(jet: Jet, q: Real, b11: float, parameter_error: float) -> float:
 
 
 def _b30_error(jet: Jet, r: Reduction) -> float:
-    """Estimated error of <p, C(q, q, q) + 3 B(q, h20)>: cancellation, and that of differences."""
+    """Estimated error of <p, C(q, q, q) + 3 B(q, h20)>: cancellation, that of differences, and what is off in h20.
+
+    A h20 = -B(q, q), whose terms may cancel: where they do, h20 is made of their rounding, and so is b30. With w the
+    solution of A^T w = p B(q, .) (bordered as A is), <p, B(q, dh)> is w times what is off in B(q, q).
+    """
     q, p = state(jet, r.right[:, 0]), np.abs(r.left[:, 0])
     terms = (1.0, (q, q, q)), (3.0, (q, state(jet, r.second[0, 0])))
     size = sum(weight * np.abs(jet.form(*given)) for weight, given in terms)
-    noise = sum(weight * uncertain(jet, *given) for weight, given in terms)
-    return float(p @ (TRUST * size + noise))
+    noise = sum(weight * uncertain(jet, *given) + ROUNDING * size_of_terms(jet, *given) for weight, given in terms)
+    driven = along_units(jet, q)[: jet.n] @ r.left[:, 0]
+    back = np.abs(solve(static_matrix(jet).T, driven, r.left, r.right))
+    off = back @ (uncertain(jet, q, q) + ROUNDING * size_of_terms(jet, q, q))
+    return float(p @ (TRUST * size + noise) + 3.0 * off)

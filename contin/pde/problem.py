@@ -21,6 +21,7 @@ from contin.pde.measures import Observer
 from contin.pde.protocol import Equations
 from contin.records import Fields, Record
 from contin.systems.functions.function_problem import FunctionProblem
+from contin.systems.functions.moving_frame import MovingFrame
 
 Reader = Callable[[Record], Start]
 
@@ -86,6 +87,9 @@ class PdeProblem(FunctionProblem):
             **described,
         )
         self.state_names = ()
+        if isinstance(discretised, Travelling):
+            assert velocity is not None
+            self.frame = MovingFrame(velocity, discretised.weight, "write another wave under travelling.like")
         self.starts = tuple(starts)
 
     def at_states(self, u: Array, p: Mapping[str, float]) -> Array:
@@ -155,6 +159,11 @@ class PdeProblem(FunctionProblem):
             return None
         if isinstance(self.discretised, Travelling) and not self.discretised.moves(u):
             return "the start does not change along the axis of `travelling`: it has no velocity"
+        if isinstance(self.discretised, Travelling) and not np.isfinite(self.discretised.velocity(u, values)):
+            return (
+                "the state has no phase in the frame of `travelling`, <w_x, u_x> = 0 for the wave w under `like`: "
+                "write one that is nearer to it"
+            )
         field, x = self._where[int(bad[0])]
         return f"the equation of {field} is not finite at {self._place(x)}"
 
@@ -167,6 +176,10 @@ class PdeProblem(FunctionProblem):
             f"to others, and the Jacobian is singular at each. `travelling: {{axis: {axis}, like: ...}}` in the model "
             "follows one of each family, with its velocity (0 where it stands)"
         )
+
+    def in_frame(self, states: Array) -> Array:
+        """Samples (K, n) of an orbit, of the equations as they are written, in the frame of `travelling`."""
+        return self.discretised.in_phase(states) if isinstance(self.discretised, Travelling) else states
 
     def profile(self, u: Array, p: Mapping[str, float]) -> dict[str, Array]:
         """Coordinates of the axes' nodes, and every field on the grid, (points,) or (points, points)."""

@@ -175,6 +175,10 @@ def planar_field(
             f"model {model.name!r} uses the time t: its trajectories cross in the plane (`contin simulate`)"
         )
     names = list(model.state_names)
+    if not names and isinstance(model, FunctionProblem):
+        raise InputError(
+            f"model {model.name!r}: a phase plane is drawn of two states with names, and its {model.n} states have none"
+        )
     for name in (x, y, *(at or {})):
         if name not in names:
             raise InputError(f"no state {name!r}: {closest(name, names) or 'there are ' + ', '.join(names)}")

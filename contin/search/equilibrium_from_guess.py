@@ -23,6 +23,7 @@ from contin.problems.surfaces.pseudo import Pseudo, boundary_equilibrium, pseudo
 from contin.problems.surfaces.sliding import Sliding
 from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
+from contin.systems.described import states_in_words
 from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class Equilibrium(Told):
         return Seed(problem, z)
 
     def __str__(self) -> str:
-        states = ", ".join(f"{n} = {v:.10g}" for n, v in zip(self.system.state_names, self.u, strict=True))
+        states = states_in_words(self.system.state_names, self.u, lambda k: f"= {self.u[k]:.10g}")
         if isinstance(self.system, IteratedSystem):
             return f"point {states} of a cycle of period {self.system.times}"
         if self.pseudo is not None:

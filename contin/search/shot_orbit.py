@@ -27,6 +27,7 @@ from contin.search.orbit_by_simulation import (
 )
 from contin.simulate.flight import fly
 from contin.simulate.natural import natural_metric
+from contin.systems.described import states_in_words
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -64,7 +65,7 @@ class ShotOrbit(Told):
 
     def __str__(self) -> str:
         u = self.nodes.u[0]
-        states = ", ".join(f"{k} = {v:.6g}" for k, v in zip(self.system.state_names, u, strict=True))
+        states = states_in_words(self.system.state_names, u, lambda k: f"= {u[k]:.6g}")
         return f"periodic orbit of period {self.period:.10g} through {states}"
 
 

@@ -78,6 +78,19 @@ def test_eigenvalues_of_a_triangular_matrix_over_forty_orders_of_magnitude_are_i
     assert not im.any()
 
 
+def test_graded_blocks_whose_squares_underflow_do_not_hide_the_large_eigenvalues():
+    """Rows fall off as multipliers of a dissipative PDE do: pairs at 1e-163 and 1e-172 beside 210.5 and -.116."""
+    sizes = np.array([210.5, 0.116, 1e-98, 1e-98, 1e-163, 1e-163, 1e-172, 1e-172])
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        a = sizes[:, None] * rng.normal(size=(8, 8))
+        re, im = ours(a)
+        assert np.all(np.isfinite(re))
+        two = np.sort(np.linalg.eigvals(a[:2, :2].copy()))  # the rest changes them by 1e-98
+        largest = np.sort((re + 1j * im)[np.argsort(-np.abs(re + 1j * im))[:2]])
+        np.testing.assert_allclose(largest, two, rtol=1e-12)
+
+
 @pytest.mark.parametrize("n", [2, 3, 5, 8])
 def test_jordan_block_splits_by_no_more_than_the_root_of_rounding(n):
     rng = np.random.default_rng(n)

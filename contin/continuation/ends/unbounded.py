@@ -19,6 +19,7 @@ from contin.continuation.segment import Segment
 
 POWERS: Final = (*(float(f"1e{k}") for k in range(309)), np.inf)  # of ten
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
+FORETOLD: Final = 6  # ... where the corrector fails there: of numbers as large the equations lose their digits
 CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
 SHRINKING: Final = 1.0 / 3.0  # ... and by less than this part of its move in the decade before (a pole: 1/10)
 PATIENCE: Final = 400  # rows
@@ -55,6 +56,7 @@ def until_lost(segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[
         arm.end = stop.end
         yield segment.cut(stop.row + 1)
         return
+    arm.end = record.foretold() or arm.end
 
 
 def _may_grow(problem: Problem) -> NDArray[np.bool_]:
@@ -85,6 +87,7 @@ class _Record:
     vertical: int = 0  # rows without a move of the parameter, and of anything
     standing: int = 0
     approaching: int = 0  # rows in turn that came nearer to a bound
+    row: Array = field(default_factory=lambda: np.zeros(0))  # the last one
     last: Array = field(default_factory=lambda: np.zeros(0))  # the row before the next segment
     nearing: dict[str, tuple[float, Array]] = field(default_factory=dict)  # of a locus, by parameter: its last distance
     # from a bound, and the parameters at the rows in turn that came nearer to it
@@ -94,12 +97,22 @@ class _Record:
         """Take the rows of one more segment."""
         if not len(segment.z):
             return None
+        self.row = segment.z[-1].copy()
         if in_two_parameters(self.arm.problem):
             return self._nearing(segment) or (None if self.adaptive else self._infinite(segment))
         size, extent = self._size(segment), segment.extent
         growing = self._infinite(segment) or self._unresolved(segment) or self._creeping(segment, size)
         values = float(extent[0][-1]), float(extent[1][-1])
         return growing or self._approaching(segment, size, values) or self._unmoved(segment, values)
+
+    def foretold(self) -> End | None:
+        """Of an arm whose corrector fails where a state has grown so much: that it grows without bound."""
+        if self.arm.end is None or self.arm.end.reason != "corrector" or not self._converges(FORETOLD):
+            return None
+        relative = self._relative(self.row)
+        name, size = self._fastest(relative), float(relative.max())
+        text = f"at {self.arm.course.position(self.row)}, {name} grows without bound: {size:.0e} times its scale"
+        return End("bound", text, {"value": float(self.row[-1])})
 
     def _relative(self, z: Array) -> Array:
         """States of rows z (.., n + 1) beside their scales at the first row; 0 for unknowns that cannot grow."""
@@ -179,8 +192,8 @@ class _Record:
         widths = [high - low for _, low, high in sorted(walls)]
         return np.array([width if np.isfinite(width) else 1.0 for width in widths])
 
-    def _converges(self) -> bool:
-        if len(self.decades) < DECADES:
+    def _converges(self, decades: int = DECADES) -> bool:
+        if len(self.decades) < decades:
             return False
         a, b, c = self.decades[-3:]
         return float(np.abs(c - b).max()) <= min(CONVERGED, SHRINKING * float(np.abs(b - a).max()))

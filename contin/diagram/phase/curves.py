@@ -71,7 +71,7 @@ class Curves:
             seeds = births.loci(point.problem, point, self.places.parameters, self.orbits)
         found: list[SpecialPoint] = []
         for seed in seeds:
-            with noted(lambda text: self._refuse(point, place + text)):
+            with noted(lambda text: self._refuse(point, f"{place}{text.rstrip('.')}{UNCUT}")):
                 found.extend(self._curve(point, seed))
         return found
 
@@ -105,6 +105,9 @@ class Curves:
             return []
         if len(branch) < 2:
             self.notes.extend(f"{branch.name}: {note}" for note in branch.notes if DEFECT in note)
+            if all(end.reason == "corrector" for end in branch.ends):
+                text = branch.ends[0].text.rstrip(".")
+                self._refuse(point, f"{point.type} at {self.places.words(point)}: {text}{UNCUT}")
             return []
         if (repeats_curve if orbital else repeats)(branch, self.loci, self.places.box):
             return []

@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.seed import Seed
+from contin.diagram.phase.nodes import MERGED
 from contin.machine import elementary
 
 Box = tuple[tuple[float, float], tuple[float, float]]
@@ -38,15 +39,26 @@ def polylines(loci: Sequence[Branch], box: Box) -> tuple[list[Array], list[int]]
         for piece in np.split(np.arange(len(points)), np.flatnonzero(np.diff(shown.astype(int))) + 1):
             if shown[piece[0]] and len(piece) > 1:
                 line = np.clip(_cubic(points[piece], slopes[0][piece[:-1]], slopes[1][piece[:-1]]), 0.0, 1.0)
-                if is_orbital(branch):
-                    line = thinned(line)
-                parts = _split_at_tips(np.vstack([*_birthplace(branch, loci, box), line]) if piece[0] == 0 else line)
+                line = thinned(line) if is_orbital(branch) else _apart(line)
+                whole = np.vstack([*_birthplace(branch, loci, box), line]) if piece[0] == 0 else line
+                parts = _split_at_tips(whole) if len(whole) > 1 else []  # none of states that all lie at one place
                 first, last = lost[0] or piece[0] > 0, lost[1] or piece[-1] < len(points) - 1
                 for k, part in enumerate(parts):
                     lines.append(part)
                     owners.append(number)
                     loose.append((first or k > 0, last or k < len(parts) - 1))
     return _closed_gaps(lines, owners, loose, loci, box), owners
+
+
+def _apart(line: Array) -> Array:
+    """The polyline without vertices that the arrangement does not tell from the one before: rows may heap up."""
+    kept = [0]
+    for k in range(1, len(line)):
+        if float(np.abs(line[k] - line[kept[-1]]).max()) > MERGED:
+            kept.append(k)
+    if len(kept) > 1:
+        kept[-1] = len(line) - 1  # its end as it is
+    return np.asarray(line[kept])
 
 
 def _split_at_tips(line: Array) -> list[Array]:
@@ -176,7 +188,8 @@ def _closed_gaps(
     for k, (line, sides) in enumerate(zip(lines, loose, strict=True)):
         for row in (row for row, is_loose in zip((0, -1), sides, strict=True) if is_loose):
             others = [place for place, owner in marked if owner != owners[k] or loci[owner].locus != "HOM"]
-            target = _nearest(line[row], others, [m for j, m in enumerate(lines) if j != k])
+            # the other half of a curve cut at its tip begins where this one ends, and leads nowhere
+            target = _nearest(line[row], others, [m for j, m in enumerate(lines) if owners[j] != owners[k]])
             if target is not None:
                 line = np.vstack([target[None], line]) if row == 0 else np.vstack([line, target[None]])
         result[k] = line

@@ -40,6 +40,7 @@ OF_MAP: Final = Budget(branches=12, steps=4000)  # ... of a map: cascades of dou
 DOUBLINGS: Final = 2  # in a row, on one line; trajectories find the stable cycles beyond
 GENERATIONS: Final = 2  # ... and other families born on families, which there may be infinitely many of
 SHORT: Final = ("corrector", "surface")  # ends of families beyond which there may be orbits that are not followed
+STEPS: Final = "branches end for want of steps"
 INCOMPLETE: Final = "families of orbits could not be followed to their ends"
 
 
@@ -156,7 +157,13 @@ class LociSearch:
         return line
 
     def _incomplete(self, line: Line) -> None:
-        """Say once that families of a piecewise-smooth flow stop short."""
+        """Say once that branches end for want of steps, and that families of a piecewise-smooth flow stop short."""
+        short = [b for b in line.branches if any(end.reason == "steps" for end in b.ends)]
+        if short and not any(STEPS in text for text in self.notes):
+            self.notes.add(
+                f"{STEPS} (settings.steps = {self.settings.steps}): at {self.parameters[1 - line.axis]} = "
+                f"{line.value:.6g}, {len(short)} of them; states and curves beyond are not known"
+            )
         piecewise = [b for b in line.orbits if b.problem.system.n_switches]
         lost = [end for b in piecewise for end in b.ends if end.reason in SHORT]
         if lost and not any(INCOMPLETE in text for text in self.notes):

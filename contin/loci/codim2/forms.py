@@ -17,7 +17,7 @@ from contin.normalforms.branching import branch_point
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.later import Later, stated
 from contin.normalforms.point import normal_form
-from contin.normalforms.result import NO_FORM, TRUST, NormalForm
+from contin.normalforms.result import DEGENERATE, NO_FORM, TRUST, NormalForm
 from contin.normalforms.rounding import change_of, difference_errors, rounding_errors
 from contin.normalforms.sources import compiled_jet
 from contin.normalforms.zero_hopf import zero_hopf
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
     from contin.normalforms.jet import DerivativeJet, Jet
 
+LEADING: Final = {"CP": "c", "GH": "l2"}  # by type, the coefficient that says what the point is like
+SMALL: Final = 1e4  # times the error from its terms' sizes: from there on what else is off may decide
 BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
 FORCED: Final = ", no parameter unfolds the multiplier 1"  # there is no fold, whose unfolding the rest of the case says
 
@@ -87,6 +89,11 @@ def described(
             return _summed(form, changes)
 
         known = Later(grown) if form.errors else grown()  # decides nothing, and takes the time of four such forms
+        leading = LEADING.get(point.type, "")
+        if leading and abs(form.coefficients[leading]) <= SMALL * form.errors[leading]:  # ... but for these
+            known = grown()
+            if abs(form.coefficients[leading]) <= known[leading]:
+                form = replace(form, coefficients={**form.coefficients, "case": DEGENERATE})
     errors = {"errors": known} if isinstance(known, Later) or known else {}
     own = dict(in_own_units(form.vectors, unit_mass(problem.system)))
     return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | own)

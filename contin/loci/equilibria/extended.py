@@ -216,7 +216,8 @@ class ExtendedCurve(Gauged):
     def _across(self, z: Array) -> Array | None:
         """On a forced curve of branch points: the direction across it, in which the products with w vanish best."""
         _, jacobian = self.linearise(z)
-        along = np.linalg.svd(jacobian / np.abs(jacobian).max(axis=1, keepdims=True))[2][-1]
+        largest = np.abs(jacobian).max(axis=1, keepdims=True)  # 0 of an equation that vanishes to second order
+        along = np.linalg.svd(jacobian / np.where(largest > 0.0, largest, 1.0))[2][-1]
         width = elementary.hypot(along[-1], along[-2])
         return np.array([-along[-2], along[-1]]) / width if width > 0.0 and self._is_forced(z) else None
 
@@ -313,9 +314,11 @@ class ExtendedCurve(Gauged):
 
     @cached_property
     def growing(self) -> Array:
-        """True for states and kappa."""
+        """True for states and kappa, and of Hopf points for w = f_u v, which grows as the rates do."""
         mask = self.identifying.copy()
         mask[-2:] = False
+        if self.type == "HB":
+            mask[2 * self.n : 3 * self.n] = True
         return mask
 
 

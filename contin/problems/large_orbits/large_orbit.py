@@ -31,6 +31,7 @@ from contin.problems.large_orbits.layout import Layout, OnPoints
 from contin.problems.large_orbits.linearised import OrbitLinearisation, Solvers
 from contin.problems.large_orbits.multipliers import tests_of
 from contin.problems.large_orbits.radau import STAGES, extremes
+from contin.problems.moved_along import distance_name, distances, remarks_on_frame
 from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.scales import parameter_width
 
@@ -181,21 +182,24 @@ class LargeOrbitProblem(LargeOrbitEquations):
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives."""
         names = [*self.system.state_names, *self.system.observable_names] or ["norm"]
-        return (self.parameters[0], "period", *(f"{name}.{end}" for name in names for end in ("min", "max")))
+        ends = (f"{name}.{end}" for name in names for end in ("min", "max"))
+        return (self.parameters[0], "period", *ends, *distance_name(self.system))
 
     def columns(self, z: Array) -> dict[str, Array]:
         """The parameter, the period, smallest and largest value over the orbit of states and of what is recorded; where
-        nothing has a name, of the states' norm."""
+        nothing has a name, of the states' norm; and how far the frame moves over a period, where it does."""
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy(), "period": z[:, -2].copy()}
-        low, high = [], []
-        for row in z:
-            observed = self._observed(row)
-            values = extremes(observed.reshape(len(observed) // STAGES, STAGES, -1))
-            low.append(values[0])
-            high.append(values[1])
-        for k, name in enumerate(self.column_names()[2:]):
-            columns[name] = np.array(high if k % 2 else low)[:, k // 2]
-        return columns
+        values = [(row, self._observed(row)) for row in z]
+        ends = np.array([extremes(v.reshape(len(v) // STAGES, STAGES, -1)) for _, v in values])
+        names = self.column_names()[2:]
+        for k in range(2 * ends.shape[2]):
+            columns[names[k]] = ends[:, k % 2, k // 2]
+        first = len(self.system.state_names)
+
+        def integrals(k: int) -> Array:
+            return np.array([self.profile(row).integral(v[:, first + k]) for row, v in values])
+
+        return columns | distances(self.system, integrals)
 
     def _observed(self, z: Array) -> Array:
         U, p = self.profile(z).U.reshape(-1, self.n), self.full_parameters(z)
@@ -215,7 +219,10 @@ class LargeOrbitProblem(LargeOrbitEquations):
         return near and abs(float(a.z[-2] - b.z[-2])) <= 1e-5 * abs(float(a.z[-2]))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        """What the trivial multiplier says of the mesh, at the last row."""
+        """What the trivial multiplier says of the mesh, and the phase of a moving frame, at the last row."""
+        return (*self._on_mesh(z), *remarks_on_frame(self.system, self.profile(z[-1]).U.reshape(-1, self.n)))
+
+    def _on_mesh(self, z: Array) -> Sequence[str]:
         sweeps = self.sweeps(z[-1])
         if sweeps is None:
             return ()
@@ -230,6 +237,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
 
     def describe_failure(self, z: Array) -> str:
         text = self.system.why_not_finite(self.beginning(z), self.full_parameters(z))
+        text = text or "".join(remarks_on_frame(self.system, self.profile(z).U.reshape(-1, self.n)))
         if not isinstance(self.layout, OnPoints):
             return text or "Try a smaller settings.step."
         return text or f"Try a smaller settings.step, or more settings.intervals (these are {self.layout.intervals})."

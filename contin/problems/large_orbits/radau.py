@@ -62,6 +62,10 @@ class Trajectory:
     lengths: Array | None = None
     starts: Array | None = None
 
+    def integral(self, values: Array) -> float:
+        """Over the period of a function with these values (intervals * 3,) at the points."""
+        return self.period * float(np.einsum("j,k,jk->", self.h, WEIGHTS, values.reshape(-1, STAGES)))
+
     @cached_property
     def h(self) -> Array:
         """Lengths (intervals,) as parts of the period."""

@@ -16,6 +16,7 @@ from contin.continuation.problem import Problem, Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
+from contin.problems.moved_along import distances, remarks_on_frame
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold
 from contin.problems.orbits.ends.multiply_traversed import cut_where_traversed
@@ -23,7 +24,7 @@ from contin.problems.orbits.ends.vertical import recounted, remarks, stands_at_b
 from contin.problems.orbits.linearised.linear import branch_tangents
 from contin.problems.orbits.march import in_kernel
 from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
-from contin.problems.orbits.measured.columns import names_of, norms, orbit_columns, periods, with_observables
+from contin.problems.orbits.measured.columns import integrals, names_of, norms, orbit_columns, periods, with_observables
 from contin.problems.orbits.measured.measures import standard_columns
 from contin.problems.orbits.mesh.adaption import unresolved
 from contin.problems.orbits.mesh.finer import on_half_lengths
@@ -135,6 +136,12 @@ class OrbitProblem(OrbitEquations):
 
         columns = {self.parameters[0]: z[:, -1].copy(), "period": periods(z, self.profile)}
         columns |= orbit_columns(z, names_of(self.system), self.profile, functions)
+
+        def integrated(k: int) -> Array:
+            place = len(self.system.state_names) + k
+            return integrals(z, self.profile, lambda u, rows: functions(u, rows)[:, :, place])
+
+        columns |= distances(self.system, integrated)
         columns |= standard_columns(self.system, columns, lambda: norms(z, self.profile))
         if self.measures is not None:
             columns |= self.measures.columns([self.profile(row) for row in z], lambda k: self.full_parameters(z[k]))
@@ -153,8 +160,9 @@ class OrbitProblem(OrbitEquations):
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        """That the family is vertical, or neutral."""
-        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues))
+        """That the family is vertical, or neutral, or its frame without a phase."""
+        framed = remarks_on_frame(self.system, self.profile(z[-1]).u)
+        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues), *framed)
 
     def recounted(
         self, z: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
@@ -166,6 +174,9 @@ class OrbitProblem(OrbitEquations):
         if text:
             return text
         profile = self.profile(z)
+        framed = remarks_on_frame(self.system, profile.u)
+        if framed:
+            return framed[0]
         why = "it is very stiff here (a canard?). Try settings.intervals, or start from a simulation beyond this point"
         return unresolved(profile, self.state_sizes(profile), self.tolerance, "orbit", f"{why}.") or (
             "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "

@@ -16,6 +16,7 @@ from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.algebraic_states import finite_multipliers
+from contin.problems.moved_along import distance_name
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.measured.measures import Measures, standard_names
@@ -176,6 +177,7 @@ class FamilyOfOrbits(InOneParameterProblem):
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives, for user values."""
         extremes = (f"{f}.{e}" for f in names_of(self.system) for e in ("min", "max"))
-        own = (self.parameters[0], "period", *extremes, *standard_names(self.system))
+        moved = distance_name(self.system)
+        own = (self.parameters[0], "period", *extremes, *moved, *standard_names(self.system))
         asked = () if self.measures is None else self.measures.texts
         return tuple(dict.fromkeys((*own, *asked)))

@@ -11,6 +11,7 @@ from contin.continuation.told import Told
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.symmetry import symmetry_names
+from contin.systems.described import states_in_words
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -42,6 +43,7 @@ class PeriodicOrbit(Told):
 
     def __str__(self) -> str:
         low, high = self.profile.u.min(axis=0), self.profile.u.max(axis=0)
-        names = self.system.state_names
-        states = ", ".join(f"{k} in [{a:.6g}, {b:.6g}]" for k, a, b in zip(names, low, high, strict=True))
+        states = states_in_words(
+            self.system.state_names, self.profile.u, lambda k: f"in [{low[k]:.6g}, {high[k]:.6g}]"
+        )
         return f"periodic orbit of period {self.period:.10g}, {states}"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.sizes import state_sizes
 from contin.problems.shooting.layout import Nodes
@@ -85,14 +86,14 @@ def _mesh(problem: ShotFamily, z: Array, crossed: Array) -> Profile:
 
 
 def measures(problem: ShotFamily, rows: Array) -> tuple[Array, Array, Array]:
-    """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each, and norms (R,).
+    """Smallest and largest value of what `names_of` names on the orbits of rows z, (R, k) each, and norms (R,).
 
     The norm is the root mean square of all states, by quadrature between the crossings of switching surfaces.
     Extremes are looked for among equal times and those crossings, where a solution may have a corner; then among times
     between the neighbours of each extreme, and there by a parabola, except across a crossing.
     """
     found = [_measures(problem, z) for z in rows]
-    width = len(problem.system.state_names) + len(problem.system.observable_names)
+    width = len(names_of(problem.system))
     both = np.array([one[:2] for one in found]).reshape(len(rows), 2, width)
     return both[:, 0], both[:, 1], np.array([one[2] for one in found])
 
@@ -103,7 +104,7 @@ def _measures(problem: ShotFamily, z: Array) -> tuple[Array, Array, float]:
     times = np.union1d(np.union1d(np.arange(SAMPLES) / SAMPLES, crossed), mesh.times)
     values = _functions(problem, z, times)
     if not np.all(np.isfinite(values)):
-        nothing = np.full(values.shape[1], np.nan)
+        nothing = np.full(len(names_of(problem.system)), np.nan)
         return nothing, nothing, np.nan
     u = values[np.searchsorted(times, mesh.times), : problem.n]
     norm = float(np.sqrt(mesh.weights @ np.einsum("kn,kn->k", u, u)))
@@ -117,7 +118,8 @@ def _measures(problem: ShotFamily, z: Array) -> tuple[Array, Array, float]:
     own[:k] *= -1.0
     smooth = _smooth_at(finer, np.argmax(own, axis=1), crossed)
     tops = np.maximum(_top(own, smooth), np.concatenate([-values.min(axis=0), values.max(axis=0)]))
-    return -tops[:k], tops[k:], norm
+    skip = 0 if problem.system.state_names else problem.n
+    return -tops[skip:k], tops[k + skip :], norm
 
 
 def crossings(problem: ShotFamily, z: Array) -> Array:
@@ -141,10 +143,11 @@ def _smooth_at(times: Array, best: NDArray[np.int64], crossed: Array) -> NDArray
 
 
 def _functions(problem: ShotFamily, z: Array, times: Array) -> Array:
-    """States and observables at scaled times, (T, k)."""
+    """States and observables at scaled times, (T, k); where nothing has a name, states and their norm."""
     system, u = problem.system, states(problem, z, times)
     if not system.observable_names:
-        return u
+        norm = np.sqrt(np.einsum("tn,tn->t", u, u) / problem.n)
+        return u if system.state_names else np.column_stack([u, norm])
     p = problem.full_parameters(z)
     return np.hstack([u, np.asarray(system.observables(np.ascontiguousarray(u), p)).reshape(len(u), -1)])
 

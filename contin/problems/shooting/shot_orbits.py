@@ -15,6 +15,7 @@ from contin.continuation.outcome import NOTHING, Jump, Outcome, Rejected, Verifi
 from contin.continuation.problem import Problem, Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
+from contin.problems.moved_along import distances
 from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold
 from contin.problems.orbits.measured.columns import names_of
@@ -121,6 +122,14 @@ class ShootingProblem(ShotEquations):
         low, high, norms = measures(self, z)
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
+
+        def integrals(k: int) -> Array:
+            orbits = [measured(self, row) for row in z]
+            p = [np.tile(self.full_parameters(row), (len(orbit.u), 1)) for row, orbit in zip(z, orbits, strict=True)]
+            rates = [self.system.observables(o.u, q)[:, k] for o, q in zip(orbits, p, strict=True)]
+            return np.array([o.period * float(o.weights @ rate) for o, rate in zip(orbits, rates, strict=True)])
+
+        columns |= distances(self.system, integrals)
         columns |= standard_columns(self.system, columns, lambda: norms)
         if self.measures is not None:
             columns |= self.measures.columns([measured(self, row) for row in z], lambda k: self.full_parameters(z[k]))

@@ -19,6 +19,7 @@ from contin.records import Record
 from contin.systems.functions.foreign_arrays import Elsewhere
 from contin.systems.functions.guarded import called, numbers
 from contin.systems.functions.mass import Divided, Mass, as_sparse
+from contin.systems.functions.moving_frame import MovingFrame
 from contin.systems.functions.names import check_name, check_names
 from contin.systems.functions.rotation import Rotation
 
@@ -64,6 +65,7 @@ class GivenFunction:
     mass: Mapping[str, float] = {}
     mass_matrix: csc_matrix | None = None  # of M u' = F, where the functions are not divided by it
     equations: tuple[()] = ()
+    frame: MovingFrame | None = None  # that it is seen from, where it is not at rest
 
     def __init__(
         self,

@@ -25,6 +25,7 @@ from contin.errors import InputError, InputWarning
 from contin.linalg.vectors import dot, norm
 from contin.systems.functions.function_problem import FunctionProblem
 from contin.systems.functions.given_function import DENSE, FunctionSymmetry
+from contin.systems.functions.moving_frame import MovingFrame
 from contin.systems.functions.rotation import KEPT, Mode, Rotation
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ class FunctionInFrame(FunctionProblem):
             explain=self._explained,
         )
         self._expect = still._expect
+        self.frame = MovingFrame(RATE, lambda u: np.asarray(u @ mode.a), "choose another mode, rotation=(G, wave)")
         # along the phase nothing moves: where a state is that alone, its size is that of the mode
         sizes = abs(dot(mode.a, start)) * np.abs(mode.b) / dot(mode.b, mode.b)
         self.declared_sizes = np.where(np.abs(start) < KEPT * sizes, sizes, 0.0)

@@ -136,3 +136,18 @@ def test_the_pair_has_the_same_states_in_every_form(form):
     assert sum(counts.values()) == pytest.approx(1.0, abs=1e-5)
     assert diagram.check.followed > 5
     assert diagram.check.disagreed == ()
+
+
+def test_curves_that_end_at_a_point_and_come_back_cut_the_plane_there():
+    """Two coupled pitchforks: branch points of the states that a symmetry exchanges lie on m = 3 k and m = -k.
+
+    x = y = sqrt(m) is stable for m > -k, x = -y = sqrt(m - 2 k) for m > 3 k; both curves end at m = k = 0 (where the
+    kernel has two dimensions) and come back as those of the mirror images.
+    """
+    coupled = model(
+        {"x": "m*x - x^3 - k*(x - y)", "y": "m*y - y^3 - k*(y - x)"}, {"x": 0.1, "y": 0.1}, {"m": -1.0, "k": 0.2}
+    )
+    found = contin.phase(coupled, ("m", "k"), {"m": (-1.0, 2.0), "k": (-1.0, 1.0)}, orbits=False)
+    regions = sorted((region.stable, region.total, round(region.area, 5)) for region in found.regions)
+    parts = [(1, 1, 5 / 24), (2, 3, 1 / 8), (2, 3, 1 / 6), (2, 5, 1 / 18), (2, 5, 1 / 12), (4, 9, 13 / 36)]
+    assert regions == [(stable, total, round(area, 5)) for stable, total, area in parts]

@@ -198,6 +198,7 @@ def test_waves_that_pulsate_return_turned_and_start_from_samples_of_the_function
         :, 0
     ]
     angle = orbit.period * np.trapezoid(rates, orbit.times)
+    assert abs(waves.columns["rotation_rate.integral"][-1] - angle) < 1e-5
     assert np.abs(last - first * np.exp(-1j * flames.k * angle)).max() < 1e-5
     again = contin.periodic_orbit(flames.problem(run.y[:, 0]), run.y.T, {"L": p["L"]}, times=run.t)
     assert abs(again.period - orbit.period) < 3e-4  # which changes by 13 for a change 1 of L along the family

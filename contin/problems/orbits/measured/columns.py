@@ -75,15 +75,31 @@ def norms(z: Array, profile: Callable[[Array], Profile]) -> Array:
     return found
 
 
+def integrals(
+    z: Array, profile: Callable[[Array], Profile], function: Callable[[Array, Array], Array]
+) -> Array:  # fmt: skip
+    """Integrals over a period, of the orbits of rows z, of a function with values (R, K) at nodes u (R, K, n)."""
+    found = np.empty(len(z))
+    for chosen, rows in of_one_size(z):
+        first = profile(rows[0])
+        place, m = first.u.size, first.m
+        values = function(rows[:, :place].reshape(len(rows), -1, first.n), rows)
+        nodes = values[:, np.arange(first.intervals)[:, None] * m + np.arange(m + 1)]
+        h = rows[:, place + 1 : place + 1 + first.intervals]
+        found[chosen] = rows[:, place] * np.einsum("rij,j,ri->r", nodes, basis(m).node_weights, h)
+    return found
+
+
 def with_observables(system: CompiledSystem, u: Array, p: Array) -> Array:
-    """States and observables (R, K, k) at nodes u (R, K, n) of orbits with parameters p (R, p_size)."""
+    """What `names_of` names (R, K, k) at nodes u (R, K, n) of orbits with parameters p (R, p_size)."""
     if not system.observable_names:
-        return u
+        return u if system.state_names else np.sqrt(np.einsum("rkn,rkn->rk", u, u) / u.shape[2])[:, :, None]
     count, nodes, n = u.shape
     observed = system.observables(np.ascontiguousarray(u.reshape(-1, n)), np.repeat(p, nodes, axis=0))
-    return np.concatenate([u, np.asarray(observed).reshape(count, nodes, -1)], axis=2)
+    values = np.asarray(observed).reshape(count, nodes, -1)
+    return np.concatenate([u, values], axis=2) if system.state_names else values
 
 
 def names_of(system: CompiledSystem) -> list[str]:
-    """States and observables."""
-    return [*system.state_names, *system.observable_names]
+    """States, where they have names, and observables; where nothing has one, the norm of the states."""
+    return [*system.state_names, *system.observable_names] or ["norm"]

@@ -1,0 +1,112 @@
+"""Fields on an interval, a circle and a rectangle take every verb that sparse functions take, or say why not."""
+
+from functools import lru_cache
+from itertools import islice
+
+import pytest
+
+import contin
+
+DOMAINS = {
+    "interval": {"x": {"to": "pi", "points": 6}},
+    "circle": {"x": {"to": "2*pi", "points": 6, "method": "fourier"}},
+    "rectangle": {"x": {"to": "pi", "points": 4}, "y": {"to": "3", "points": 4}},
+}
+
+BEYOND = {"interval": 1.2, "circle": 0.4, "rectangle": 2.2}  # the first Hopf point
+
+
+@lru_cache(maxsize=3)
+def landau(kind):
+    """A complex field whose rest has a supercritical Hopf point."""
+    lap = "lap" if kind == "rectangle" else "dxx"
+    more = {} if kind == "circle" else {"boundary": {"all": ["u = 0", "v = 0"]}}
+    return contin.load({
+        "name": kind, "kind": "pde", "domain": DOMAINS[kind], "fields": {"u": 0, "v": 0},
+        "parameters": {"mu": {"value": -0.5, "range": [-0.5, BEYOND[kind]]}, "A": {"value": 0.5, "range": [0.4, 0.6]}},
+        "equations": {
+            "u": f"mu*u - v + {lap}(u) - A*{lap}(v) - (u^2 + v^2)*u",
+            "v": f"mu*v + u + {lap}(v) + A*{lap}(u) - (u^2 + v^2)*v",
+        },
+        **more,
+    })  # fmt: skip
+
+
+@lru_cache(maxsize=3)
+def line(model):
+    return contin.continuation(model, "mu")
+
+
+def born(model):
+    return contin.continuation(line(model)["HB1"].switch(), "mu", settings={"steps": 2, "intervals": 6})
+
+
+def box(model, **more):
+    return contin.phase(model, ["mu", "A"], {"mu": (-0.4, -0.3), "A": (0.4, 0.5)}, settings={"steps": 30}, **more)
+
+
+TAKEN = {
+    "equilibrium": contin.equilibrium,
+    "find_start": contin.find_start,
+    "continuation": line,
+    "switch": born,
+    "locus": lambda m: contin.continuation(line(m)["HB1"].locus(["mu", "A"]), ["mu", "A"], settings={"steps": 2}),
+    "simulate": lambda m: contin.simulate(m, time=0.5, samples=3),
+    "simulate, stiff": lambda m: contin.simulate(m, time=0.5, samples=3, method="Radau"),
+    "scan": lambda m: contin.scan(m, {"mu": [-0.5]}),
+    "diagram": lambda m: contin.diagram(m, "mu", (-0.5, -0.3), settings={"steps": 10}),
+    "phase": box,
+    "survey": lambda m: contin.survey(m, names=["mu"], processes=1),
+    "plot": lambda m: line(m).plot(),
+    "walk": lambda m: list(islice(contin.walk(m, "mu"), 2)),
+    "deflated": lambda m: contin.deflated(m, "mu", (-0.5, -0.4), samples=1, tries=1, settings={"steps": 2}),
+    "draw": lambda m: contin.draw(line(m)),
+}
+REFUSED = {
+    "find_equilibria": (contin.find_equilibria, "states without names"),
+    "simulate, until": (lambda m: contin.simulate(m, time=0.5, until="u > 10"), "has no formulas"),
+    "plane": (lambda m: contin.plane(m, "u", "v"), "have none"),
+    "average": (contin.average, "only a model of formulas"),
+    "connection": (lambda m: contin.connection(m, {"u": 1.0}), "given by formulas"),
+    "manifold": (lambda m: contin.manifold(m, {"u": 0.0, "v": 0.0}, length=1.0), "given by formulas"),
+    "torus": (lambda m: contin.torus(m, "mu", (0.1, 2.0)), "given by formulas"),
+    "boundary_problem": (contin.boundary_problem, "kind: bvp"),
+}
+
+
+@pytest.mark.parametrize("kind", DOMAINS)
+def test_fields_take_verbs_or_say_why_not(kind):
+    model = landau(kind)
+    for verb, call in TAKEN.items():
+        assert str(call(model)), verb
+    for verb, (call, words) in REFUSED.items():
+        with pytest.raises(contin.ContinError) as refused:
+            call(model)
+        assert words in str(refused.value), verb
+
+
+def test_orbits_that_simulations_settle_on_are_those_born_at_the_hopf_point():
+    """a exp(i t) of the whole circle, a^2 = mu, whose frequency is 1; both have the columns of the fields."""
+    model = landau("circle")
+    orbit = contin.periodic_orbit(model, {"u": 0.5, "v": 0}, {"mu": 0.25})
+    assert "of 12 states" in str(orbit)
+    family = contin.continuation(orbit, "mu", (0.2, 0.3), settings={"steps": 1})
+    columns = family.columns
+    assert columns["u.max.max"] == pytest.approx(columns["mu"] ** 0.5, rel=1e-4)
+    assert columns["period"] == pytest.approx(6.283185307, rel=1e-6)
+    assert set(born(model).columns) <= set(columns)
+
+
+def test_functions_whose_states_have_no_names_have_columns_of_their_norm():
+    n = 52
+
+    def ring(u, p):
+        x, y = u[: n // 2], u[n // 2 :]
+        square = x * x + y * y
+        pulled = [x.mean() - x, y.mean() - y]
+        return [*(p["mu"] * x - y - square * x + pulled[0]), *(x + p["mu"] * y - square * y + pulled[1])]
+
+    function = contin.FunctionProblem(ring, [0.5] * (n // 2) + [0.0] * (n // 2), {"mu": 0.25})
+    orbit = contin.periodic_orbit(function)
+    family = contin.continuation(orbit, "mu", (0.24, 0.26), settings={"steps": 1})
+    assert family.columns["norm.max"] == pytest.approx((family.columns["mu"] / 2.0) ** 0.5, rel=1e-5)
