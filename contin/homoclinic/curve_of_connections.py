@@ -9,8 +9,9 @@ from functools import cached_property
 from contin.abi import Array
 from contin.continuation.sample import Frame, Sample
 from contin.homoclinic.equations import ConnectionCurve
+from contin.homoclinic.separation import mixed
 from contin.problems.orbits.marched_in_python import MarchedInPython
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, trimmed
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,17 @@ class CurveOfConnections(MarchedInPython):
 
     def orbit_at(self, z: Array) -> Profile:
         return self.profile(z)
+
+    @property
+    def has_reach(self) -> bool:
+        return True
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """Where the orbit leaves the equations' domain, or its directions are no longer told from others."""
+        left = super().left_reach(z) if super().has_reach else None
+        z = z if left is None else z[: left[0]]
+        texts = ((k, mixed(self.curve, trimmed(row))) for k, row in enumerate(z))
+        return next(((k, text) for k, text in texts if text is not None), left)
 
     def at_held(self, z: Array, scale: Array) -> Array | None:
         """Solved with the second parameter as it is; where that is no unknown, the first one."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -129,13 +130,17 @@ class ConnectionToCycle(Isolated, EndsOfConnection):
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
         """On a mesh of half the lengths, the ends on their manifolds to second order (see `bends`)."""
-        bent = self.base.copy()
-        bent[self.two.parameters.index(MISS)] = 1.0
-        for name, value in bends(self, sample.z).items():
-            bent[self.two.parameters.index(name)] = value
-        own = replace(self, base=bent, spaces={})
+        own = self.bent(sample.z)
         found = on_half_lengths(own, sample, frame)
         return None if found is None else (own, *found)
+
+    def bent(self, z: Array) -> Self:
+        """The equations whose ends lie on the manifolds to second order, as far as the orbit z tells of these."""
+        base = self.base.copy()
+        base[self.two.parameters.index(MISS)] = 1.0
+        for name, value in bends(self, z).items():
+            base[self.two.parameters.index(name)] = value
+        return replace(self, base=base, spaces={})
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         for k, row in enumerate(z):

@@ -8,12 +8,14 @@ import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.api.reading import read
 from contin.continuation.as_computed import as_computed
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.errors import ContinError, InputError
+from contin.homoclinic.ends_of_connection import EndsOfConnection
+from contin.loci.augmented.tangencies import CurveOfTangencies
 from contin.model.advice import closest
 from contin.model.model import Model
 from contin.model.source import Path, Problems
@@ -104,7 +106,7 @@ def another_model(model: Model, point: SpecialPoint) -> str | None:
     Values and ranges of parameters may differ. A model that was reduced or turned before it was followed has other
     equations than the file's; of it names are compared.
     """
-    stored = point.problem.system.model
+    stored = _model_of(point.problem)
     unknown = sorted(set(stored.parameter_names) - set(model.parameter_names))
     if (model.rotation or stored.totals) if isinstance(stored, Model) else True:
         return None if stored.name == model.name else f"it was computed from the model {stored.name!r}"
@@ -114,6 +116,13 @@ def another_model(model: Model, point: SpecialPoint) -> str | None:
     if not same or _time(stored) != _time(model):
         return f"it was computed from other equations than those of {model.name}; name the model that it came from"
     return None
+
+
+def _model_of(problem: Any) -> Any:
+    """Of an orbit that connects cycles the flow's, not that of its boundary-value problem."""
+    if isinstance(problem, CurveOfTangencies):
+        return problem.base.model
+    return problem.model if isinstance(problem, EndsOfConnection) else problem.system.model
 
 
 def _time(model: Model) -> object:

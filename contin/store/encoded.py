@@ -76,16 +76,29 @@ class Table:
     def of(cls, document: Record) -> Table:
         """From plain data; ValueError where the models are none.
 
-        What is read without checks is written as a model file, and read again by the reader that checks it.
+        What is read without checks is written as a model file, and read again by the reader that checks it. Names with
+        a colon, of equations that contin makes (connections with cycles), are no user's: others stand for them there.
         """
         models = [model_of_graph(data) for data in document["models"]]
-        for model in models:
+        for data in document["models"]:
+            model = model_of_graph(_without_colons(data))
             load_model_text(model.text(), model.name, check=False)
         systems = []
         for entry in document["systems"]:
             model = models[_count(entry["model"])]
             systems.append(compile_in_time(model) if entry["timed"] else compile_system(model, bool(entry["regular"])))
         return cls(models, systems)
+
+
+def _without_colons(data: Json) -> Json:
+    """The same data with names that a model file may have."""
+    if isinstance(data, str):
+        return data.replace(":", "_of_")
+    if isinstance(data, list):
+        return [_without_colons(item) for item in data]
+    if isinstance(data, dict):
+        return {_without_colons(key): _without_colons(value) for key, value in data.items()}
+    return data
 
 
 def encode(value: object, table: Table) -> Json:

@@ -48,6 +48,8 @@ PARTS: Final[Mapping[str, Part]] = {
     "BoundaryProblem": Part("contin.bvp.boundary_problem", made=("spaces",)),
     "ConnectionToCycle": Part("contin.homoclinic.cycle_connection_problem", made=("spaces",)),
     "CurveOfConnections": Part("contin.homoclinic.cycle_connection_problem", made=("spaces",)),
+    "TangencyBase": Part("contin.loci.augmented.tangencies", made=("chosen",)),
+    "CurveOfTangencies": Part("contin.loci.augmented.tangencies"),
     "TwoPoint": Part("contin.bvp.two_point", by="two_point", of=("model", "free")),
     "HybridOrbits": Part("contin.problems.hybrid.hybrid_orbits"),
     "HybridLocus": Part("contin.loci.hybrid_orbits"),

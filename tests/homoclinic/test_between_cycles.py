@@ -66,3 +66,32 @@ def test_a_run_finds_an_orbit_homoclinic_to_a_cycle_and_follows_it(tmp_path):
     assert values["multiplier.2"] == pytest.approx(math.exp(-4 * math.pi), rel=1e-6)
     largest = max(values["x.max"], -values["x.min"])
     assert min(abs(largest - x) for x in turning_points(0.05)) < 1e-6
+
+
+@pytest.mark.long
+def test_the_curve_of_tangencies_is_melnikovs_line_and_a_file_keeps_its_points(tmp_path):
+    """x'' = x - x^3 - d x' + g cos t: a cycle's manifolds touch where g/d = 4 cosh(pi/2) / (3 sqrt(2) pi) + O(d^2)."""
+    t = 2 * math.pi * np.arange(101) / 100
+    rows = np.column_stack([t, -0.025 * np.cos(t), 0.025 * np.sin(t), np.cos(t), np.sin(t)])
+    np.savetxt(tmp_path / "cycle.csv", rows, delimiter=",", header="t,x,y,a,b", comments="")
+    damped = {
+        **FORCED, "parameters": {"g": 0.05, "d": 0.03}, "equations": {**FORCED["equations"], "y": "x - x^3 - d*y + g*a"}
+    }  # fmt: skip
+    runs = [
+        {"name": "cycle", "samples": "cycle.csv", "parameter": "g", "range": [0.02, 0.06], "values": {"g": [0.05]}},
+        {
+            "name": "loop", "as": "connection", "start": "cycle.UZ1", "parameter": "g", "range": [0.01, 0.055],
+            "direction": "down", "settings": {"stop_at": ["LP"]},
+        },
+    ]  # fmt: skip
+    assert call("run", run_file(tmp_path, damped, *runs, outputs={"save": "a.contin"}), "--quiet") == 0
+    touch = {
+        "name": "touch", "from": "a.contin:loop.LP1", "parameter": ["d", "g"],
+        "range": {"d": [0.029, 0.03], "g": [0, 1]}, "direction": "down", "settings": {"step": 0.05},
+    }  # fmt: skip
+    assert call("run", run_file(tmp_path, damped, touch, outputs={"json": "out.json"}), "--quiet") == 0
+    curve = results(tmp_path / "out.json")["branches"][0]
+    assert (curve["locus"], curve["ends"][0]["text"]) == ("LP", "d reached 0.029")
+    d, g = np.array(curve["columns"]["d"]), np.array(curve["columns"]["g"])
+    np.testing.assert_allclose(g / d, 4 * math.cosh(math.pi / 2) / (3 * math.sqrt(2) * math.pi), rtol=2e-4)
+    assert np.ptp(g / d) > 0.0

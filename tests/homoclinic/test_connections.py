@@ -106,3 +106,16 @@ def test_a_loop_of_the_nagumo_equation_is_conservative(nagumo):
     turning = (2 * (1 + a) - np.sqrt(4 * (1 + a) ** 2 - 18 * a)) / 3
     np.testing.assert_allclose(loops.columns["c"], 0, atol=1e-8)
     np.testing.assert_allclose(loops.columns["u.max"], turning, atol=1e-6)
+
+
+def test_pushed_fronts_end_where_the_strong_direction_is_none_any_more(nagumo):
+    """Into u = 0 with a < 0, a node seen from the front: u = 1/(1 + exp(s/sqrt(2))) lies on its strong manifold, rates
+    1/sqrt(2) and -a sqrt(2), up to a = -1/2, where both are one."""
+    start = contin.connecting_orbit(nagumo, {"u": 0}, {"u": 1}, parameters={"a": 0.3, "c": -0.25})
+    fronts = contin.continuation(start, ("a", "c"), {"a": (-0.9, 0.4), "c": (-2, 2)}, direction="down")
+    a = fronts.columns["a"]
+    assert fronts.ends[0].reason == "bound"
+    assert "rates" in fronts.ends[0].text
+    assert -0.5 < a[0] < -0.4
+    np.testing.assert_allclose(fronts.columns["c"], -(1 - 2 * a) / np.sqrt(2), atol=1e-6)
+    assert fronts.points == ()

@@ -121,7 +121,9 @@ def families_across(locus: Branch, axis: int, value: float, found: Sequence[Bran
     index = -1 if axis == 1 else -2  # where the parameter that is held stands
     column = locus.z[:, index] - value
     seeds = []
-    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
+    reached = (column[1:] == 0.0) & (column[:-1] != 0.0)  # a row on the line counts with the step that leads to it
+    reached[:1] |= (column[:1] == 0.0) & (column[1:2] != 0.0)
+    for row in np.flatnonzero((column[:-1] * column[1:] < 0.0) | reached):
         z = _on_line(locus, int(row), index, value)
         if z is None:
             continue

@@ -68,7 +68,8 @@ def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settin
 
 
 def _where_zero(column: Array, z: Array) -> Iterator[Array]:
-    """Points of the chords between rows z (N, .) where the column (N,) vanishes."""
+    """Rows z (N, .) at which the column (N,) vanishes, as at labelled values, and points of chords where it does."""
+    yield from z[column == 0.0]
     for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
         t = column[row] / (column[row] - column[row + 1])
         yield (1.0 - t) * z[row] + t * z[row + 1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, cast
+from typing import Any, Final, Self, cast
 
 import numpy as np
 
@@ -75,8 +75,14 @@ class AdaptiveCurve(AugmentedCurve):
     def refined(self, sample: Sample, frame: Frame) -> tuple[AdaptiveCurve, Sample, Frame] | None:
         """Of a point of the curve that has no defining system (a user value), by which its error is told."""
         near, finer = self.finer(sample, frame)
-        found = self.probe(near, 0.0, near.z.copy(), finer, SETTINGS)
-        return None if found is None else (self, found, finer)
+        own = self.corrected(sample.z)
+        found = own.probe(near, 0.0, near.z.copy(), finer, SETTINGS)
+        return None if found is None else (own, found, finer)
+
+    def corrected(self, z: Array) -> Self:
+        """The curve of equations that are nearer to what is meant than those solved, where there are such."""
+        base = self.base.corrected(z)
+        return self if base is self.base else replace(self, base=base)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """As solved on the mesh of the curve, with the error by which it moves on a finer one."""
@@ -88,7 +94,7 @@ class AdaptiveCurve(AugmentedCurve):
         if not isinstance(found, Verified):
             return found
         sample, finer = self.finer(replace(near, z=found.z), frame)
-        again = events.verify(self.beside(sample.z, finer), type_, sample, finer)
+        again = events.verify(self.corrected(sample.z).beside(sample.z, finer), type_, sample, finer)
         if not isinstance(again, Verified):
             return unverified(type_, "it is not there on a mesh of twice as many intervals")
         return replace(found, error=found.error + ORDER * abs(float(again.z[-1] - found.z[-1])))

@@ -20,8 +20,10 @@ from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.augmented import events
-from contin.loci.augmented.curve_equations import ROUNDS, TURNS, Bounds, CurveEquations
+from contin.loci.augmented.curve_equations import TURNS, Bounds, CurveEquations
 from contin.loci.tolerances import ONE_FIXED
+
+ROUNDS = 3  # until the tangent lies in the null space
 
 
 @dataclass(frozen=True, eq=False)

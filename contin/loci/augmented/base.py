@@ -138,6 +138,10 @@ class Base(ABC):
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         return None
 
+    def corrected(self, z: Array) -> Self:
+        """Equations that are nearer to what is meant than these (which hold on truncated ones, say), by solution z."""
+        return self
+
     def touching(self, curve: Any, z: Array, frame: Frame) -> Verified | None:
         """The point of another type that a supposed cusp z of `curve` is, where it touches another one."""
         return None

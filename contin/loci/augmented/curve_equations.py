@@ -16,7 +16,6 @@ from contin.loci.augmented.base import Base
 from contin.loci.augmented.elimination import Augmented, Scalars, first_rows, null_space, orthonormal
 
 Bounds = tuple[float, float]
-ROUNDS = 3  # until the border rows span the null space
 TURNS = 2  # tests of the curve itself, where a parameter turns or a branch crosses: nothing of the points on it
 EVERYWHERE = (-np.inf, np.inf)
 CHUNK = 20
@@ -148,15 +147,13 @@ class CurveEquations(Problem):
         """The curve with border rows and scalars that are good near z; None where its equations have no value."""
         base = self.base if self.base.is_settled else self.base.settled(z, scale)
         rows = first_rows(base.varying - base.conditions, z.size)
-        for _ in range(ROUNDS):
-            here = base.linearise(z, scale, rows)
-            if here is None or here.sign == 0.0:
-                return None
-            found = null_space(here, len(rows))
-            if not np.all(np.isfinite(found)):
-                return None
-            rows = orthonormal(found.T)
-        return Near(self, base, rows, joined((*self.held, *more), self, z, scale))
+        here = base.linearise(z, scale, rows)
+        if here is None or here.sign == 0.0:
+            return None
+        found = null_space(here, len(rows))  # that of E', whatever the rows
+        if not np.all(np.isfinite(found)):
+            return None
+        return Near(self, base, orthonormal(found.T), joined((*self.held, *more), self, z, scale))
 
     def beside(self, z: Array, frame: Frame) -> Self:
         """The curve as it is looked at next to a chunk; where there is none, next to z."""

@@ -127,8 +127,8 @@ class Augmented:
 
 def null_space(inner: Bordered, count: int) -> Array:
     """V (N, count) with E' V = 0 and B V = I."""
-    size = len(inner.residual)
-    return np.column_stack([inner.solve(unit) for unit in np.eye(size + count)[size:]])
+    units = np.eye(count, len(inner.residual) + count, len(inner.residual))
+    return np.column_stack([inner.solve(unit) for unit in units])
 
 
 def orthonormal(rows: Array) -> Array:

@@ -27,12 +27,14 @@ from contin.problems.orbits.normal_forms.of_return_maps import MeasuredMap, coef
 from contin.problems.orbits.normal_forms.return_map import ReturnMap
 from contin.special.table import special_type
 from contin.systems.functions.circles import RADIUS
+from contin.systems.functions.tensors import contracted
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
     from contin.systems.functions.function_system import FunctionSystem
 
 MOST: Final = 500  # states up to which the return map's matrix is made
+FEW: Final = 6  # states up to which all derivatives of order 2 and 3 at a point cost less than the forms that are asked
 NOT_MANY: Final = f"they are computed up to {MOST} states"
 
 Orbit = tuple["LargeOrbitEquations", Array]  # the family, and z of one of its orbits
@@ -65,6 +67,7 @@ class LargeFlow:
 
     cycle: LargeCycle
     size: float
+    _tensors: dict[tuple[str, int], list[Array] | None] = field(default_factory=dict)
 
     is_forced = False
 
@@ -77,15 +80,39 @@ class LargeFlow:
         found = self.cycle.sweeps.along(start, forced)
         return found, found[-1, 2]
 
+    @property
+    def system(self) -> FunctionSystem:
+        """With the differences that derivatives are taken by."""
+        return self.cycle.problem.system if self.cycle.system is None else self.cycle.system
+
+    def tensors(self, where: str, states: Array, order: int) -> list[Array] | None:
+        """All derivatives of an order at each of the states (K, n), kept; None where forms are cheaper."""
+        if self.cycle.problem.n > FEW or order not in (2, 3):
+            return None
+        if (where, order) not in self._tensors:
+            p = self.cycle.problem.full_parameters(self.cycle.z)
+            found = [self.system.tensor(u, p, order) for u in states]
+            known = [one for one in found if one is not None]
+            self._tensors[where, order] = known if len(known) == len(found) else None
+        return self._tensors[where, order]
+
     def apply(self, *functions: Array) -> Array:
-        return np.asarray(self.cycle.apply(*(self.size * w for w in functions)) / self.size)
+        orbit, scaled = self.cycle.orbit, [self.size * w for w in functions]
+        known = self.tensors("along", orbit.U.reshape(-1, orbit.U.shape[2]), len(functions))
+        if known is None:
+            return np.asarray(self.cycle.apply(*scaled) / self.size)
+        rows = zip(*(w.reshape(len(known), -1) for w in scaled), strict=True)
+        found = np.array([contracted(T, d) for T, d in zip(known, rows, strict=True)])
+        return np.asarray(found.reshape(scaled[0].shape) / self.size)
 
     def apply_at_start(self, *functions: Array) -> Array:
-        problem, count = self.cycle.problem, len(functions[0])
-        system = problem.system if self.cycle.system is None else self.cycle.system
-        p = np.tile(problem.full_parameters(self.cycle.z), (count, 1))
-        u, still = np.tile(self.cycle.orbit.beginnings[0], (count, 1)), np.zeros(p.shape)
-        return np.asarray(system.derivatives(u, p, *(np.hstack([self.size * w, still]) for w in functions)) / self.size)
+        start, scaled = self.cycle.orbit.beginnings[:1], [self.size * w for w in functions]
+        known = self.tensors("start", start, len(functions))
+        if known is not None:
+            return np.array([contracted(known[0], d) for d in zip(*scaled, strict=True)]) / self.size
+        p = np.tile(self.cycle.problem.full_parameters(self.cycle.z), (len(scaled[0]), 1))
+        u, still = np.tile(start, (len(p), 1)), np.zeros(p.shape)
+        return np.asarray(self.system.derivatives(u, p, *(np.hstack([w, still]) for w in scaled)) / self.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +142,7 @@ class MapOfLarge:
 
     def with_wider_stencils(self, system: FunctionSystem) -> DerivativeJet:
         """The jet with other differences; the matrix is as it is."""
-        other = replace(self.flow, cycle=replace(self.flow.cycle, system=system))
+        other = LargeFlow(replace(self.flow.cycle, system=system), self.size)
         return DerivativeJet(
             self.jet.A, ReturnMap(other, like=self.returns).derivative, kind="map", scale=self.jet.scale
         )  # fmt: skip

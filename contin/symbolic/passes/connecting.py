@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from contin.model.expression import ONE, ZERO, Expression, add, mul, number, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Condition, Functional, Interval, Parameter, State
+from contin.model.printing import to_text
 from contin.symbolic.calculus.derivatives import derivative
 
 TIME = "T:"  # names with a colon are no user's
@@ -81,7 +82,7 @@ def connecting(model: Model, first: End, last: End) -> Connecting:
     built = Model.from_parts(
         name=model.name, kind="bvp", states=tuple(states), equations=tuple(equations), parameters=tuple(parameters),
         interval=Interval("s:", ZERO, ONE), functionals=dict(writer.functionals),
-        conditions=tuple(Condition(f"condition {k + 1}", c) for k, c in enumerate(writer.conditions)),
+        conditions=tuple(Condition(f"{to_text(c)} = 0", c) for c in writer.conditions),
     )  # fmt: skip
     return Connecting(built, tuple(writer.free))
 

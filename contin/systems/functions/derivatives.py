@@ -20,6 +20,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.systems.functions.circles import derivative_on_circle
 from contin.systems.functions.stencils import differentiated
+from contin.systems.functions.tensors import second, third
 
 COMPLEX_STEP = 1e-30
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
@@ -119,6 +120,20 @@ class Lines:
             v = units[0] + sum(s * d for s, d in zip(signs, units[1:], strict=True))
             total += float(np.prod(signs)) * self.pure(u, p, np.asarray(v), k)
         return total / (2.0 ** (k - 1) * math.factorial(k) * float(np.prod(norms)))
+
+    def tensor(self, u: Array, p: Array, order: int) -> Array:
+        """All derivatives of order 2 or 3 by the states, (n, .., n, n), the last axis that of F's components."""
+        n = len(u)
+        reach = np.array([self._reach(u, p, np.eye(n, n + len(p))[k]) for k in range(n)])
+
+        def pure(v: Array) -> Array:
+            return self.pure(u, p, np.append(v * reach, np.zeros(len(p))), order)
+
+        found = second(pure, n) if order == 2 else third(pure, n)
+        inverse = np.where(reach > 0.0, 1.0 / np.where(reach > 0.0, reach, 1.0), 0.0)
+        for axis in range(order):
+            found = found * inverse.reshape([-1 if k == axis else 1 for k in range(order + 1)])
+        return found
 
     def along(self, matrix: Callable[[Array, Array], Array], u: Array, p: Array, v: Array) -> Array:
         """d/dt of a matrix-valued function at (u, p) + t v, t = 0, by a stencil."""

@@ -376,6 +376,13 @@ class FunctionSystem:
         vectors = tuple(np.asarray(d) for d in directions)
         return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
 
+    def tensor(self, u: Array, p: Array, order: int) -> Array | None:
+        """All derivatives of order 2 or 3 by the states (n, .., n); None where the user's function gives forms."""
+        if self.model.derivative is not None:
+            return None
+        with np.errstate(all="ignore"):
+            return self.lines.tensor(np.array(u, dtype=float), np.array(p, dtype=float), order)
+
     def functional(self, left: Callable[[Vector], Any], u: ArrayLike, p: ArrayLike, v: Vector, order: int) -> float:
         """left(D^k F(z)[v, ..., v]), of a linear functional and a real direction v (n + m,), k = `order`."""
         if self.model.derivative is not None:

@@ -95,3 +95,29 @@ def test_halo_orbits_are_those_of_howells_table(tmp_path):
     seen = [[p["values"][name] for name in names] for p in labelled(branches["halo"], "UZ")]
     for row in ([0.723268, -0.04, 0.198019, 1.300177], [0.801125, -0.299382, 0.312474, 1.017241]):
         assert min(np.abs(np.array(one) - row).max() for one in seen) < 2e-6
+
+
+def test_the_unstable_manifold_of_a_lyapunov_orbit_keeps_its_energy_and_comes_from_it(tmp_path):
+    """r3bm: Jacobi's constant along both sheets, and trajectories backwards to where the cycle is."""
+    branches = found_by("r3bm", tmp_path, "--orbits")
+    m, sheets = 0.04, branches["sheets"]["columns"]
+    x, y, u, v, orbit = (np.array(sheets[name]) for name in ("x", "y", "u", "v", "orbit"))
+    cycle = branches["lyapunov"]["points"][-1]["orbit"]
+    path = np.array([cycle[name] for name in "xyuv"]).T
+
+    def jacobi(x, y, u, v):
+        return x * x + y * y + 2 * (1 - m) / np.hypot(x + m, y) + 2 * m / np.hypot(x - 1 + m, y) - u * u - v * v
+
+    assert np.abs(jacobi(x, y, u, v) - jacobi(*path[0])).max() < 1e-7
+
+    def back(_, w):
+        a, b = (1 - m) / np.hypot(w[0] + m, w[1]) ** 3, m / np.hypot(w[0] - 1 + m, w[1]) ** 3
+        rates = [w[2], w[3], 2 * w[3] + w[0] - a * (w[0] + m) - b * (w[0] - 1 + m), -2 * w[2] + w[1] - (a + b) * w[1]]
+        return -np.array(rates)
+
+    for number in (0, 7):
+        last = np.flatnonzero(orbit == number)[60]
+        found = solve_ivp(back, (0, 3), [x[last], y[last], u[last], v[last]], method="DOP853", rtol=1e-11, atol=1e-13)
+        gaps = np.abs(path[:, None] - found.y.T[None]).max(axis=2).min(axis=0)
+        assert gaps.min() < 1e-3
+        assert gaps[0] > 10 * gaps.min()

@@ -151,3 +151,14 @@ def test_curves_that_end_at_a_point_and_come_back_cut_the_plane_there():
     regions = sorted((region.stable, region.total, round(region.area, 5)) for region in found.regions)
     parts = [(1, 1, 5 / 24), (2, 3, 1 / 8), (2, 3, 1 / 6), (2, 5, 1 / 18), (2, 5, 1 / 12), (4, 9, 13 / 36)]
     assert regions == [(stable, total, round(area, 5)) for stable, total, area in parts]
+
+
+def test_a_branch_with_a_row_on_a_line_in_the_other_parameter_is_followed_along_it():
+    """x'' = a x - x^3 - d x' + 0.3 x^2 x': rest loses its stability at d = 0, where a < 0, and only there.
+
+    With orbits, states where two lines cross are labelled values: rows that lie on the other line to the digit.
+    """
+    wells = model({"x": "y", "y": "a*x - x^3 - d*y + 3/10*x^2*y"}, {"x": 1.0, "y": 0.0}, {"a": 1.0, "d": 0.2})
+    found = contin.phase(wells, ("a", "d"), {"a": (-1.0, 2.0), "d": (-0.3, 0.5)})
+    alone = sorted((region.stable, round(region.area, 5)) for region in found.regions if region.total == 1)
+    assert alone == [(0, round(1 / 8, 5)), (1, round(5 / 24, 5))]

@@ -5,6 +5,8 @@ import pytest
 from scipy import sparse
 
 import contin
+from contin.problems.large_orbits.codimension_two import LargeFlow
+from contin.problems.large_orbits.cycle import LargeCycle
 from tests.problems.large_orbits.test_codimension_two import LONG, MESH, agrees, found_on
 from tests.problems.large_orbits.test_normal_forms import family, function
 
@@ -55,6 +57,31 @@ def tori(residual, start, parameters, names, span, **settings):
         line["HB1"].switch(), "mu", (-0.1, 0.45), settings={"intervals": 8, "stop_at": ("NS",)}
     )
     return contin.continuation(orbits["NS1"].locus(), names, span, settings={**LONG, **settings})
+
+
+def test_forms_along_orbits_of_few_states_take_few_evaluations():
+    """Of four states 20 pure derivatives of order 3 at a point, of 9 values each, serve every form there."""
+    calls = []
+
+    def counted(z, p):
+        calls.append(1)
+        return half_turned(z, p)
+
+    full = sparse.csc_matrix(np.ones((4, 4)))
+    problem = contin.FunctionProblem(counted, np.zeros(4), {"mu": -0.05, "h": 0.23}, sparsity=full)
+    line = contin.continuation(problem, "mu", (-0.1, 0.1), settings={"stop_at": ("HB",)})
+    orbits = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 0.1), settings={"intervals": 6, "steps": 2})
+    cycle = LargeCycle(orbits.problem, orbits.z[-1], 1.0, np.zeros(4))
+    flow, rng = LargeFlow(cycle, 2.0), np.random.default_rng(5)
+    for order in (2, 3):
+        for _ in range(3):
+            w = [rng.normal(size=cycle.orbit.U.shape) + 1j * rng.normal(size=cycle.orbit.U.shape) for _ in range(order)]
+            exact = cycle.apply(*(2.0 * each for each in w)) / 2.0
+            before = len(calls)
+            np.testing.assert_allclose(flow.apply(*w), exact, atol=1e-9 * np.abs(exact).max())
+    assert len(calls) == before  # those of the first form of an order serve all
+    flow.tensors("start", cycle.orbit.beginnings[:1], 3)
+    assert len(calls) - before <= 20 * 9 * 2
 
 
 @pytest.mark.long
