@@ -96,7 +96,7 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     if first is None:
         return False
     at, before, hop = there, None, np.zeros_like(there)
-    for place in _way_back(z[::-1, -1]):
+    for place in way_back(z[::-1, -1]):
         guess = at.copy() if before is None else 2.0 * at - before
         found = problem.at_parameter(guess.copy(), place, scale)
         if found is None:
@@ -109,7 +109,7 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     return bool(np.any(away | falls))
 
 
-def _way_back(parameters: Array) -> list[float]:
+def way_back(parameters: Array) -> list[float]:
     """From the first of some values to the last, by all of them, each step in `PARTS` parts."""
     steps = [a + (b - a) * np.arange(1, PARTS + 1) / PARTS for a, b in pairwise(parameters)]
     return [float(place) for step in steps for place in step]

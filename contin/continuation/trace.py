@@ -24,6 +24,7 @@ from contin.continuation.ends.repeating import until_repeating
 from contin.continuation.ends.retracing import until_retracing
 from contin.continuation.ends.standing import until_standing
 from contin.continuation.ends.unbounded import until_lost
+from contin.continuation.gone_level import gone_level
 from contin.continuation.gone_over import gone_over
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
@@ -216,7 +217,7 @@ def _assemble(
     unlabelled = sum(not passed_again(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     unknown = uncounted(eigenvalues, [*born, *(row for row, *_ in labels)]) if exact else []
-    untold = _astray(problem, z, raw_tangents, labels, departure.scale, start_row, (born, rows.jumps))
+    untold = _astray(departure, z, columns, raw_tangents, labels, start_row, (born, rows.jumps))
     untold += uncounted_note(unknown, columns, problem.parameters[0], len(z))
     notes += [*_remarks(rows.labelled, problem), *untold]
     if seed.scale is None:
@@ -241,16 +242,25 @@ def _assemble(
 
 
 def _astray(
-    problem: Problem, z: Array, tangents: Array, labels: list[tuple[int, Verified, float]], scale: Array, start: int,
-    special: tuple[list[int], list[int]],
+    departure: Departure, z: Array, columns: Record, tangents: Array, labels: list[tuple[int, Verified, float]],
+    start: int, special: tuple[list[int], list[int]],
 ) -> list[str]:  # fmt: skip
     """A note for every step that has led over to another branch, or round a corner, without a label.
 
     special : rows at special points of other branches, and at corners.
     """
-    if problem.adaptive or in_two_parameters(problem):
+    problem, scale, bounds = departure.seed.problem, departure.scale, departure.bounds
+    if in_two_parameters(problem):
         return []
     born, jumps = special
+    if problem.adaptive and not problem.has_stability:  # how far end values depend on the mesh is not known
+        return []
+    if problem.adaptive:
+        over: list[int] = []
+        errors: list[str] = []
+        with contained(errors.append):
+            over = gone_level(problem, z, columns, start, {*born, *(row for row, _, _ in labels)}, bounds)
+        return [*errors, *(f"{OVER} near {position(problem, z[row])} (row {row})" for row in over)]
     turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
     over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale, NOISE)
     places = [*((TURNED, row) for row in turns), *((OVER, row) for row in over)]
