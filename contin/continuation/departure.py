@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
@@ -17,10 +17,11 @@ from contin.continuation.location.bounds import walls_passed
 from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
 from contin.continuation.location.own_tests import own_tests
+from contin.continuation.location.sameness import same_point
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
 from contin.continuation.outset import oriented, passed_over, set_out
-from contin.continuation.problem import in_two_parameters
+from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
@@ -178,7 +179,17 @@ def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample,
     else:
         raise NotFiniteError(f"the branch cannot be followed from the start. {problem.describe_failure(seed.z)}")
     stretch = Stretch(problem, base, frame, settings)
-    return replace(b, z=seed.z, tangent=base.tangent), list(isolate(stretch, a, b))
+    return replace(b, z=seed.z, tangent=base.tangent), _once(problem, isolate(stretch, a, b), scale)
+
+
+def _once(problem: Problem, items: Iterable[Found | Note], scale: Array) -> list[Found | Note]:
+    """Each point once: where several coincide, a search between them may come to one from either side."""
+    kept: list[Found | Note] = []
+    for item in items:
+        points = [other.point for other in kept if isinstance(other, Found)]
+        if isinstance(item, Note) or not any(same_point(problem, item.point, point, scale) for point in points):
+            kept.append(item)
+    return kept
 
 
 def _suspicious(start: Sample) -> bool:

@@ -32,8 +32,9 @@ def constraints_of(system: System) -> Constraints | None:
 def massless(system: System) -> NDArray[np.bool_]:
     """(n,) true for the states without mass."""
     known = constraints_of(system)
-    names = () if known is None else known.massless
-    return np.array([name in names for name in system.state_names], bool)
+    if known is None:  # states without names (fields) have mass, too
+        return np.zeros(system.n, bool)
+    return np.array([name in known.massless for name in system.state_names], bool)
 
 
 def finite_eigenvalues(system: System, values: NDArray[np.complex128]) -> NDArray[np.complex128]:

@@ -17,6 +17,7 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.simulate.natural import natural_metric
 from contin.simulate.trajectory import Section, integrate
+from contin.systems.described import states_in_words
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -145,9 +146,9 @@ def find_return(
         extent, recent = np.ptp(path.u[400:], axis=0), np.ptp(path.u[-100:], axis=0)
         still = float(np.max(np.where(periods > 0, 0.0, extent / largest))) < AT_REST
         if still and not _turns(extent, periods):
-            names = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, path.end, strict=True))
+            where = _in_words(system, path.end)
             raise AtRestError(
-                f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit "
+                f"the simulation comes to rest at an equilibrium ({where}) after t = {total:.4g}: no periodic orbit "
                 "attracts this start. Start elsewhere, change the parameters, or start from a Hopf point.",
                 path.end.copy(),
             )
@@ -250,6 +251,10 @@ def _forced(system: CompiledSystem, u: Array, p: Array) -> Return:
             f"periods (nearest: {best[0]:.1e} of their extent). {ADVICE}."
         )
     return Return(best[1], best[2] * period, best[2], best[2], best[0], total * period)
+
+
+def _in_words(system: CompiledSystem, u: Array) -> str:
+    return states_in_words(system.state_names, u, lambda k: f"= {u[k]:.6g}")
 
 
 def _polished(

@@ -68,7 +68,7 @@ def consistent_start(system: object, u: Array, p: Array) -> Array:
 
 def moved_onto(system: CompiledSystem, given: Array, found: Array) -> str:
     """What consistent initial values changed, in words; empty where nothing (and where states have no names)."""
-    if found is given:
+    if found is given or not system.state_names:
         return ""
     changed = [
         f"{name} = {new:.6g}"

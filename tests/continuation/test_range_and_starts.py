@@ -191,3 +191,25 @@ def test_a_state_far_from_zero_may_travel():
     assert branch.columns["x"][-1] == pytest.approx(1e4 + 1e8, rel=1e-6)
     assert reasons(branch) == ("bound", "bound")
     assert branch.steps < 20_000
+
+
+def test_a_start_at_which_two_pairs_cross_has_each_of_them_once():
+    """The first libration point of the restricted three-body problem with damping l: both Hopf points are at l = 0."""
+    model = contin.Model(
+        "r3b", states={"x": 0.74091, "y": 0, "z": 0, "u": 0, "v": 0, "w": 0}, parameters={"l": 0, "m": 0.04},
+        definitions={
+            "r1": "sqrt((x + m)^2 + y^2 + z^2)", "r2": "sqrt((x - 1 + m)^2 + y^2 + z^2)",
+            "a": "(1 - m)/r1^3", "b": "m/r2^3",
+        },
+        equations={
+            "x": "u", "y": "v", "z": "w", "u": "2*v + x - a*(x + m) - b*(x - 1 + m) + l*u",
+            "v": "-2*u + y - (a + b)*y + l*v", "w": "-(a + b)*z + l*w",
+        },
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model, {"x": 0.74091}), "l", (-0.1, 0.1))
+    assert [point.type for point in line.points] == ["HB", "HB"]
+    x = line["HB1"].values["x"]
+    c = 0.96 / abs(x + 0.04) ** 3 + 0.04 / abs(x - 0.96) ** 3  # frequencies: sqrt(c), and s^4 + (c - 2) s^2 - ...
+    planar = 0.5 * (2 - c + np.sqrt(9 * c * c - 8 * c))
+    omegas = sorted(point.normal_form["omega"] for point in line.points)
+    assert omegas == pytest.approx(sorted([np.sqrt(c), np.sqrt(planar)]), rel=1e-9)

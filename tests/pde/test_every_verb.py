@@ -3,9 +3,11 @@
 from functools import lru_cache
 from itertools import islice
 
+import numpy as np
 import pytest
 
 import contin
+from contin.problems.algebraic_states import massless
 
 DOMAINS = {
     "interval": {"x": {"to": "pi", "points": 6}},
@@ -110,3 +112,40 @@ def test_functions_whose_states_have_no_names_have_columns_of_their_norm():
     orbit = contin.periodic_orbit(function)
     family = contin.continuation(orbit, "mu", (0.24, 0.26), settings={"steps": 1})
     assert family.columns["norm.max"] == pytest.approx((family.columns["mu"] / 2.0) ** 0.5, rel=1e-5)
+
+
+def test_simulations_of_fields_that_come_to_rest_say_so_and_all_their_states_have_mass():
+    model = landau("circle")
+    with pytest.raises(contin.ContinError, match=r"comes to rest at an equilibrium \(of 12 states"):
+        contin.periodic_orbit(model, {"u": 0.01, "v": 0.0}, {"mu": -0.5})
+    assert massless(model.in_kernels).tolist() == [False] * 12  # () made means of eigenfunctions 0, and folds nameless
+
+
+@pytest.mark.long
+def test_folds_of_simulated_orbits_of_fields_have_the_normal_form_of_the_same_formulas():
+    """Two inner nodes, both with r' = r (mu - 9 + r^2 - r^4) where they are alike: folded at mu = 9 - 1/4."""
+    growth, found = "(mu + {0}^2 + {1}^2 - ({0}^2 + {1}^2)^2)", []
+    here = growth.format("u", "v")
+    field = contin.load({
+        "name": "nodes", "kind": "pde", "domain": {"x": {"to": 1, "points": 4}}, "fields": {"u": 0, "v": 0},
+        "parameters": {"mu": 9.0}, "boundary": {"all": ["u = 0", "v = 0"]},
+        "equations": {"u": f"{here}*u - v + dxx(u)", "v": f"{here}*v + u + dxx(v)"},
+    })  # fmt: skip
+    one, other = growth.format("u", "v"), growth.format("w", "z")
+    formulas = contin.load({
+        "name": "nodes", "states": {"u": 1.0, "v": 0.0, "w": 1.0, "z": 0.0}, "parameters": {"mu": 9.0},
+        "equations": {
+            "u": f"{one}*u - v + 9*(w - 2*u)", "v": f"{one}*v + u + 9*(z - 2*v)",
+            "w": f"{other}*w - z + 9*(u - 2*w)", "z": f"{other}*z + w + 9*(v - 2*z)",
+        },
+    })  # fmt: skip
+    for model in (field, formulas):
+        t = np.linspace(0.0, 2.0 * np.pi, 33)
+        cycle = 0.775 * np.array([np.cos(t), np.sin(t)])
+        samples = np.vstack([cycle, cycle]).T  # u, v at each node
+        orbit = contin.periodic_orbit(model, samples, {"mu": 8.76}, times=t, intervals=6)
+        line = contin.continuation(orbit, "mu", (8.7, 8.765), settings={"stop_at": ("LPC",), "intervals": 6})
+        fold = line["LPC1"]
+        assert fold.values["mu"] == pytest.approx(8.75, abs=1e-6)
+        found.append(abs(fold.normal_form["b"]))
+    assert found[0] == pytest.approx(found[1], rel=1e-4)

@@ -17,6 +17,7 @@ from contin.loci.codim2.forms import jet_at
 from contin.loci.codim2.matrices import null_pair, scaled_matrix
 from contin.loci.codim2.uncomputed_tests import untold
 from contin.normalforms.branching import branch_point
+from contin.normalforms.result import NO_FORM
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -58,7 +59,7 @@ def kind(problem: CurveOfPoints, z: Array) -> str:
     if "kind" not in problem.memory:
         try:
             form = branch_point(jet_at(problem, z, (problem.curve.first,)))
-        except ZeroDivisionError:  # at a double zero; asked again at the next point
+        except NO_FORM:  # at a double zero; asked again at the next point
             return ""
         problem.memory["kind"] = str(form.coefficients["kind"])
     return str(problem.memory["kind"])

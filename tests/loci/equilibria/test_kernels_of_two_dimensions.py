@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import contin
+from contin.errors import ContinError
 from contin.model.model import Model
 
 BOX = {"p": (-2.0, 2.0), "q": (-2.0, 2.0)}
@@ -37,3 +39,16 @@ def test_where_the_kernel_has_one_dimension_there_is_no_note():
     """p x + y = x^2, y (q + 3) = x^2: F_u has the determinant p (q + 3), with no second zero in the box."""
     assert notes({"x": "p*x + y - x^2", "y": "(q + 3)*y - x^2"}, "BP") == []
     assert notes({"x": "p*x - x^2", "y": "(p - q)*y - y^2"}, "BP", kind="flow") == []
+
+
+@pytest.mark.parametrize("alpha", [0.556, 0.84, 1.0])
+def test_branch_points_with_a_double_zero_all_along_are_followed_or_said_not_to_be(alpha):
+    """Watt's governor with its arms down (x = 0, load 1): every speed is a state of rest, and zero a double eigenvalue."""
+    start = contin.equilibrium(contin.load("classics/watt-governor"), parameters={"alpha": alpha})
+    point = contin.continuation(start, "beta", (0.32, 1.36))["BP1"]
+    try:
+        curve = contin.continuation(point.locus(), ["alpha", "beta"], {"alpha": (0.4, 1.7), "beta": (0.32, 1.36)})
+    except ContinError as error:
+        assert "defining system may be singular" in str(error)
+        return
+    assert np.allclose(curve.columns["beta"], 1.0, rtol=0.0, atol=1e-9)

@@ -22,6 +22,7 @@ from contin.problems.orbits.ends.vertical import unbounded
 from contin.problems.orbits.linearised.multipliers import of_rest
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.layout import Profile
+from contin.systems.described import states_in_words
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
@@ -107,7 +108,7 @@ def vanished(problem: OrbitEquations, origin: Sample, before: Sample, frame: Fra
         return None
     profile = problem.profile(origin.z)
     name, centre = problem.parameters[0], profile.weights @ profile.u
-    where = ", ".join(f"{s} = {v:.6g}" for s, v in zip(problem.system.state_names, centre, strict=True))
+    where = states_in_words(problem.system.state_names, centre, lambda k: f"= {centre[k]:.6g}")
     at = f"at {name} = {profile.parameter:.10g} ({where}), period {profile.period:.3g}"
     text = f"the orbits shrink to an equilibrium that is no Hopf point {at}; amplitude {size:.0e}"
     return End("degenerate", text, {"at": {name: profile.parameter}})
@@ -147,7 +148,7 @@ def shrunk(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame
     values: Vector = np.linalg.eigvals(rest.linear_part(found))
     unstable, multipliers = of_rest(values, frequency, point.period)
     name = problem.parameters[0]
-    where = ", ".join(f"{s} = {v:.10g}" for s, v in zip(problem.system.state_names, found[:-1], strict=True))
+    where = states_in_words(problem.system.state_names, found[:-1], lambda k: f"= {found[k]:.10g}")
     text = f"the orbits shrink to the Hopf point at {name} = {found[-1]:.12g} ({where}), period {point.period:.10g}"
     end = End("hopf", text, {"at": {name: float(found[-1])}, "error": solved.error * float(frame.scale[-1])})
     last = Sample(point.vector(), origin.tangent, origin.tests, unstable, multipliers)
