@@ -16,6 +16,7 @@ from contin.continuation.at_start import found_at_start
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.defects import DEFECT, contained
 from contin.continuation.departure import Departure, depart
+from contin.continuation.ends.asked import until_asked
 from contin.continuation.ends.closed import until_closed
 from contin.continuation.ends.domain import above_floors
 from contin.continuation.ends.halved import until_halved
@@ -139,7 +140,7 @@ def _position(seed: Seed, segments: list[Segment]) -> str:
 
 def followed(arm: Arm, start: Array) -> Iterator[Segment]:
     """The segments of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
-    inside = within_reach(arm.problem, above_floors(arm.problem, arm.segments(), arm, start), arm)
+    inside = within_reach(arm.problem, above_floors(arm.problem, until_asked(arm.segments(), arm), arm, start), arm)
     inside = until_halved(inside, arm)
     whole = until_closed(until_lost(inside, arm, start), arm, start)
     return until_standing(until_retracing(until_repeating(whole, arm), arm), arm)

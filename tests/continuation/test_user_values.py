@@ -65,3 +65,17 @@ def test_a_column_that_takes_a_value_three_times_within_a_step(e):
     assert [point.type for point in branch.points] == ["UZ"] * 3
     for point, place in zip(branch.points, at, strict=True):
         assert abs(point.values["p"] - place) <= 1e-9 * e + 1e-14
+
+
+@pytest.mark.parametrize(("direction", "label", "value"), [("up", "UZ", 1.5), ("down", "LP", 0.0)])
+def test_a_run_stops_at_the_first_point_of_a_type_that_it_is_asked_to(direction, label, value):
+    """p = x^2 from x = 1: the user value 1.5 on one side, the fold on the other."""
+    model = contin.Model("m", states={"x": 1.0}, parameters={"p": 1.0}, equations={"x": "p - x^2"})
+    settings = {"stop_at": ["UZ", "LP"]}
+    branch = contin.continuation(
+        contin.equilibrium(model), "p", (-1.0, 2.0), values={"p": [1.5, 1.7]}, direction=direction, settings=settings
+    )
+    assert [(point.type, point.values["p"]) for point in branch.points] == [(label, pytest.approx(value, abs=1e-12))]
+    row = -1 if direction == "up" else 0
+    assert branch.ends[row].reason == label.lower()
+    assert branch.columns["p"][row] == pytest.approx(value, abs=1e-12)

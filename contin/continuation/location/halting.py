@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.location.found import Found
+from contin.continuation.outcome import Verified
 from contin.continuation.problem import Problem
 
 HALF_PERIOD = "half a period"  # the symmetry of doubled orbits, see `contin.problems.orbits.symmetric.symmetry`
@@ -58,9 +59,13 @@ def _end_at(problem: Problem, f: Found, scale: Array, stop_at: Sequence[str]) ->
         return End("joined", text, {"at": float(f.point.z[-1])})
     if f.point.type == "TZ" and problem.locus == "BP":
         return End("joined", f"three eigenvalues vanish at {where}: curves of several types meet there")
-    if f.point.type in stop_at:
-        return End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")
-    return problem.end_at(f.point)
+    return asked_to_stop(problem, f.point) if f.point.type in stop_at else problem.end_at(f.point)
+
+
+def asked_to_stop(problem: Problem, point: Verified) -> End:
+    """The end at a point of a type at which the run is asked to stop."""
+    where = f"{problem.parameters[0]} = {point.z[-1]:.10g}"
+    return End(point.type.lower(), f"{point.type} at {where}, where the run was asked to stop")
 
 
 def _reverses(problem: Problem, f: Found, scale: Array, symmetries: Sequence[str]) -> bool:
