@@ -94,6 +94,8 @@ def _motion(jacobian: Array, parameter_scale: float) -> Array:
         inverse = np.linalg.inv(jacobian[:, :n])
     except np.linalg.LinAlgError:
         return np.zeros(n)
+    if not np.all(np.isfinite(inverse)):  # singular to rounding, as in a continuum of equilibria
+        return np.zeros(n)
     slopes = jacobian[:, n]
     motion = np.abs(inverse @ slopes) * parameter_scale
     noise = ROUNDING * (np.abs(inverse) @ np.abs(slopes)) * parameter_scale
@@ -112,9 +114,12 @@ def _rounding(u: Array, matrix: Array) -> Array:
 def _condition(matrix: Array) -> Array | None:
     """|J^-1| |J|, (n, n); None where J is too nearly singular to tell."""
     try:
-        condition = np.abs(np.linalg.inv(matrix)) @ np.abs(matrix)
+        inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
         return None  # as below: singular, and callers know it by that
+    if not np.all(np.isfinite(inverse)):
+        return None
+    condition = np.abs(inverse) @ np.abs(matrix)
     known = np.isfinite(condition).all() and float(np.diag(condition).max()) < SINGULAR
     return condition if known else None
 
