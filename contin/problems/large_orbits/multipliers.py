@@ -25,6 +25,7 @@ FIRST: Final = 6  # multipliers that are asked for at first
 INSIDE: Final = 0.9  # the smallest of them must be inside this circle
 LONGEST: Final = 60  # vectors without a restart
 BEYOND: Final = 3  # vectors from where it has begun, at least
+MOST_ROOM: Final = 4  # times the usual number of vectors with restarts
 SETTLED: Final = 1e-10  # residual, relative to a multiplier, ...
 FAINT: Final = 0.01  # ... or to this part of the largest one, or of 1
 REAL: Final = 1e-9  # imaginary part of a real multiplier
@@ -99,15 +100,22 @@ def _of_hessenberg(H: Array, wanted: int) -> tuple[NDArray[np.complex128], NDArr
 
 
 def _restarted(apply: Callable[[Array], Array], start: Array) -> Multipliers:
-    """The same by Arnoldi's method with restarts."""
-    n, wanted = len(start), FIRST
+    """The same by Arnoldi's method with restarts; NaN where that does not converge in the largest space either.
+
+    Those that have converged by then need not be the leading ones: none is told apart from them.
+    """
+    n, wanted, room = len(start), FIRST, 1
     while True:
         count = min(wanted, n - 3)
+        vectors_kept = min(n - 1, max(room * (2 * count + 2), 20))
         operator = LinearOperator((n, n), matvec=apply, dtype=float)
         try:
-            values, vectors = eigs(operator, k=count, v0=start, tol=1e-10, ncv=min(n - 1, max(2 * count + 2, 20)))
-        except ArpackNoConvergence as error:
-            values, vectors = error.eigenvalues, error.eigenvectors
+            values, vectors = eigs(operator, k=count, v0=start, tol=1e-10, ncv=vectors_kept)
+        except ArpackNoConvergence:
+            if room >= MOST_ROOM or vectors_kept == n - 1:
+                return np.full(count, np.nan, complex), np.full((n, count), np.nan, complex)
+            room *= 2
+            continue
         order = np.argsort(-np.abs(values))
         values, vectors = values[order], vectors[:, order]
         if not len(values) or abs(values[-1]) < INSIDE or count == n - 3:
