@@ -19,6 +19,7 @@ from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
 SINGULAR = 1e-13  # a solution this many times its equation's right side has no digits
+RESONANT = "another eigenvalue is in resonance: a coefficient has a pole here"
 ORTHOGONAL = 1e-12  # cosine of two null vectors that is zero with rounding errors
 FEW = 64  # entries of a matrix that are equilibrated as Python's numbers
 MISLED = 1e-6  # of the largest entry: a matrix that makes as much of a unit vector does not take it to zero, ...
@@ -208,10 +209,13 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
     r, c = equilibrate(full)
     scaled = r[:, None] * full * c
     target = (r * right.T).T
-    x = np.linalg.solve(scaled, target)
+    try:
+        x = np.linalg.solve(scaled, target)
+    except np.linalg.LinAlgError as error:  # "Singular matrix", which tells users nothing
+        raise np.linalg.LinAlgError(RESONANT) from error
     x = x + np.linalg.solve(scaled, target - scaled @ x)
     grown = norm(x.ravel()) * float(np.abs(scaled).sum(axis=1).max())
     if grown * SINGULAR > norm(target.ravel()):
-        raise np.linalg.LinAlgError("another eigenvalue is in resonance: a coefficient has a pole here")
+        raise np.linalg.LinAlgError(RESONANT)
     answer: Vector = (c * x.T).T[:n]
     return answer
