@@ -49,6 +49,7 @@ from contin.kernels.tests_of_stability import flow_tests, map_tests
 
 TESTS = 4
 NEWTON_LIMIT = 7
+STALLED = 0.9  # a correction of at least this part of the last one does not fall
 MET = 1e-6  # of the sum of the moduli of an equation's linear terms: what may be left of it at a row's Jacobian
 LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
 
@@ -167,9 +168,11 @@ def correct(
             ratio = size / before
             if met and size < 1e-4 and size * ratio * ratio < trust * tolerance:
                 return sign  # the next correction, by quadratic convergence, is far below the tolerance
-            if ratio > 0.5:
-                limit = STAGNATION if trust > 0.0 else 0.01 * STAGNATION
-                return sign if size < limit and first > size else 0
+            limit = STAGNATION if trust > 0.0 else 0.01 * STAGNATION
+            if ratio > 0.5 and not (size < limit and first > size):
+                return 0
+            if ratio > STALLED:  # else they fall like a geometric series: beside a singular point, not in rounding
+                return sign
         once_more = once_more and size > tolerance
         before = size
     return 0
