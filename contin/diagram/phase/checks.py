@@ -34,15 +34,19 @@ ALIKE: Final = 1e-5  # relative distance of two states that are one
 class Check:
     """How many paths of equilibria were followed, and what became of those that did not arrive, or changed stability.
 
-    led : trajectories from stable orbits that were led to other points.
+    led : trajectories from stable orbits that were led to other points.  places : where equilibria disagreed.
     """
 
     followed: int = 0
     disagreed: tuple[str, ...] = ()
     led: int = 0
+    places: tuple[tuple[float, float], ...] = ()
 
     def __add__(self, other: Check) -> Check:
-        return Check(self.followed + other.followed, self.disagreed + other.disagreed, self.led + other.led)
+        return Check(
+            self.followed + other.followed, self.disagreed + other.disagreed, self.led + other.led,
+            self.places + other.places,
+        )  # fmt: skip
 
     @property
     def words(self) -> str:
@@ -164,6 +168,7 @@ def checked(plane: Plane, face: Face, point: Array, equilibria: Sequence[tuple[A
     equilibria : each with its number of unstable eigenvalues.
     """
     followed, disagreed = 0, []
+    places: dict[tuple[float, float], None] = {}
     for other in others(face, point) if equilibria else []:
         for u, unstable in equilibria:
             followed += 1
@@ -172,7 +177,9 @@ def checked(plane: Plane, face: Face, point: Array, equilibria: Sequence[tuple[A
                 kind = "the stable" if unstable == 0 else "the unstable"
                 change = f"is not there, or its stability is another, at {place_of(plane, other)}"
                 disagreed.append(f"region {name}: {kind} equilibrium ({where}) at its point {change}")
-    return Check(followed, tuple(disagreed))
+                first, second = (plane.low + plane.width * other).tolist()
+                places[first, second] = None
+    return Check(followed, tuple(disagreed), places=tuple(places))
 
 
 def alike(plane: Plane, a: Array, b: Array, here: Sequence[Array], there: Sequence[Array]) -> bool:

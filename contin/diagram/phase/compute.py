@@ -68,14 +68,40 @@ def phase(
     except KeyboardInterrupt:
         stopped = True
         search.notes.add(_what_is_missing(survey))
-    loci = tuple(_without_parent(b, search.loci) for b in search.loci)
     regions: tuple[Region, ...] = ()
     borders: dict[tuple[int, int], frozenset[str]] = {}
     check = Check()
     with search.notes.surviving("the names of the regions"):
+        said = len(search.notes.texts)
         regions, borders, check = regions_of(survey)
+        if check.places and not stopped:
+            stopped, found = _looked_again(survey, check, said)
+            regions, borders, check = regions_of(survey) if found else (regions, borders, check)
+    loci = tuple(_without_parent(b, search.loci) for b in search.loci)
     notes = tuple(search.notes)
     return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes, stopped, check)
+
+
+def _looked_again(survey: Survey, check: Check, said: int) -> tuple[bool, bool]:
+    """Whether Ctrl-C has ended it, and whether new curves were found where a check disagreed with the regions.
+
+    said : notes before those of the regions, which are told anew where the box is cut again.
+    """
+    search = survey.search
+    of_regions = search.notes.texts[said:]
+    del search.notes.texts[said:]
+    known = [branch for visit in survey.visits if visit is not None for branch in visit.line.branches]
+    stopped = found = False
+    try:
+        found = search.look_again(check.places, known)
+        if found:
+            survey.run()
+    except KeyboardInterrupt:
+        stopped = True
+        search.notes.add(_what_is_missing(survey))
+    if not found:
+        search.notes.extend(of_regions)
+    return stopped, found
 
 
 def _what_is_missing(survey: Survey) -> str:

@@ -35,6 +35,7 @@ from contin.diagram.phase.states import State, states_on
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
 LINES: Final = (0.5, 0.12, 0.88)  # where lines across the box are explored, as parts of the other parameter's range
+AGAIN: Final = 4  # places that a check finds wrong, through which lines are explored once more
 BUDGET: Final = Budget(branches=40, steps=5000)  # of one line
 OF_MAP: Final = Budget(branches=12, steps=4000)  # ... of a map: cascades of doublings have cycles of any length
 DOUBLINGS: Final = 2  # in a row, on one line; trajectories find the stable cycles beyond
@@ -99,6 +100,25 @@ class LociSearch:
         before = len(self.loci)
         self.agenda.absorb(branches)
         self.agenda.finish()
+        return len(self.loci) > before
+
+    def look_again(self, places: Sequence[tuple[float, float]], known: Sequence[Branch]) -> bool:
+        """Explore lines through places at which states were not as a region says; True where a new curve was found.
+
+        known : branches along lines in the first parameter, from which states are taken onto lines in the other one.
+        """
+        before, own = len(self.loci), list(self.branches)
+        self.branches.extend(known)
+        try:
+            for place in places[:AGAIN]:
+                for axis in (1, 0):
+                    with self.notes.surviving(f"the line at {self.parameters[1 - axis]} = {place[1 - axis]:.6g}"):
+                        line = self.line(axis, place[1 - axis])
+                        own.extend(line.branches)
+                        self.agenda.absorb(line.branches)
+            self.agenda.finish()
+        finally:
+            self.branches[:] = own
         return len(self.loci) > before
 
     def tell_defects(self, branches: Sequence[Branch]) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 import contin
 from contin import api
+from contin.diagram.phase import search
 from contin.diagram.phase.checks import Plane, alike, checked
 from contin.diagram.phase.orbit_checks import orbits_checked
 from contin.diagram.phase.plane import Face
@@ -90,3 +91,25 @@ def test_a_box_without_the_curves_at_which_orbits_end_is_found_out():
     strip = np.array([[0.65, 0.02], [0.98, 0.02], [0.98, 0.98], [0.65, 0.98]])  # m > 0
     inside = orbits_checked(plane, Face(strip, (), 0.3, point), point, [state], "A1")
     assert (inside.led, inside.disagreed) == (2, ())
+
+
+@pytest.mark.parametrize("places", [0, 4])
+def test_lines_through_what_is_found_wrong_lead_to_the_curve_that_was_missed(places, monkeypatch):
+    """Rest loses its stability at d = 0, a < 0, which a search in the first parameter alone does not see."""
+    monkeypatch.setattr(search, "AGAIN", places)
+    seeds, run, explored = search.LociSearch.seeds, search.LociSearch.run, []
+
+    def half_blind(self, axis, value):
+        return [] if axis == 1 and not explored else seeds(self, axis, value)
+
+    monkeypatch.setattr(search.LociSearch, "seeds", half_blind)
+    monkeypatch.setattr(search.LociSearch, "run", lambda self: explored.append(run(self)))
+    wells = contin.Model(
+        "wells", states={"x": 1.0, "y": 0.0}, parameters={"a": 1.0, "d": 0.2},
+        equations={"x": "y", "y": "a*x - x^3 - d*y + 3/10*x^2*y"},
+    )  # fmt: skip
+    found = contin.phase(wells, ("a", "d"), {"a": (-1.0, 2.0), "d": (-0.3, 0.5)}, orbits=False)
+    stable = sum(region.area for region in found.regions if region.total == 1 and region.stable)
+    assert (stable == pytest.approx(5 / 24, abs=1e-5)) == bool(places)
+    assert bool(found.check.disagreed) == (not places)
+    assert sum(locus.locus == "HB" for locus in found.loci) == (2 if places else 1)
