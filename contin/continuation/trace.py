@@ -254,7 +254,7 @@ def _astray(
     if in_two_parameters(problem):
         return []
     born, jumps = special
-    if problem.adaptive and not problem.has_stability:  # how far end values depend on the mesh is not known
+    if problem.adaptive and problem.kind != "orbit":  # how far end values depend on the mesh is not known
         return []
     if problem.adaptive:
         over: list[int] = []

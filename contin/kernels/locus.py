@@ -215,7 +215,7 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
                 v[i] = z[n + i] / scale[i]
                 w[i] = z[2 * n + i] / scale[i]
             lyapunov_terms(form2, form3, u, original, scale, matrix, math.sqrt(kappa), v, w, pairs)
-            if abs(pairs[0]) > CENTRES * pairs[1]:
+            if pairs[1] > 0.0:
                 tests[5] = pairs[0] / pairs[1]
             if tests[3] < 0.0:
                 tests[5] = -tests[5]
@@ -411,6 +411,8 @@ def march(
                 kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[row], out_im[row], out_re[k],
                 out_im[k],
             )  # fmt: skip
+            if kind == HOPF and abs(tests[5]) < CENTRES and abs(out_tests[k, 5]) < CENTRES:  # not one row on a zero
+                tests[5] = 0.0
             guarding = h > GUARD_FLOOR and h_previous > 0.0 and guarded < 8
             if guarding and strays(tests, out_tests, k, previous_tests, 2, True, h, h_previous):
                 guarded += 1

@@ -43,7 +43,7 @@ def limit_on_surface(
     surface : its function.  gradient (N,) : of that, in scaled unknowns.  None where there are no such points.
     """
     size, here = float(np.abs(gradient).max()), surface(side)
-    heights = np.copysign(HIGHEST * size * 0.5 ** np.arange(POINTS), here)
+    heights = np.copysign(HIGHEST * size / 2.0 ** np.arange(POINTS), here)
     points, guess = [], side
     for height in heights:
 
