@@ -38,7 +38,7 @@ def test_a_curve_of_centres_is_followed_to_infinity_without_a_sign_of_rounding()
     assert [p.type for p in curve.points] == ["BT"]  # no GH
     assert len(curve.notes) <= 1  # 1,138 changes of sign before, each with 7 failures of Newton's method
     assert all("lost in their rounding errors" in note for note in curve.notes)
-    assert curve.steps < 1500  # 20,000 where l1 had signs of rounding
+    assert curve.steps < 3000  # 20,000 where l1 had signs of rounding
     assert np.allclose(curve.columns["a"] + 2.0 * curve.columns["b"], 3.0, rtol=0.0, atol=1e-12)
     assert any("grows without bound" in end.text for end in curve.ends)  # x = 2/(2 b - 1)
 
