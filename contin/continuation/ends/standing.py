@@ -13,8 +13,9 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from contin.abi import Vector
+from contin.abi import Array, Vector
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.problem import in_two_parameters
@@ -63,7 +64,11 @@ def _until_both_stand(segments: Iterable[Segment], arm: Arm) -> Iterator[Segment
     """Up to the segment in which both parameters have stood still for a length of `FAR`."""
     at, way, last = np.full(2, np.nan), 0.0, np.empty(0)
     for segment in segments:
-        widths = segment.scale[-2:]
+        widths, values = segment.scale[-2:], segment.z[:, -2:]
+        if len(values) and not _rest(values, at, widths).any():  # mostly: a parameter moves in every step
+            at, way, last = values[-1], 0.0, segment.z[-1]
+            yield segment
+            continue
         for z in segment.z:
             if np.all(np.abs(z[-2:] - at) <= EXACT * widths):
                 way += norm((z - last) / segment.scale)
@@ -78,6 +83,12 @@ def _until_both_stand(segments: Iterable[Segment], arm: Arm) -> Iterator[Segment
             text = f"both parameters stand still at {place}: solutions are a continuum there, none is isolated"
             arm.end = End("degenerate", text, {"at": near})
             return
+
+
+def _rest(values: Array, before: Array, widths: Array) -> NDArray[np.bool_]:
+    """Rows (K,) at which both parameters (K, 2) are as at the row before."""
+    moved = np.abs(np.diff(values, axis=0, prepend=before[None]))
+    return np.asarray((moved <= EXACT * widths).all(axis=1))
 
 
 def _is_neutral(multipliers: Vector) -> bool:
