@@ -11,6 +11,7 @@ is an error of u of the order of the method where F is smooth, and is seen for w
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
@@ -98,16 +99,16 @@ def resolving(
 
 def remark_on_ends(problem: BoundaryEquations, z: Array, natural: Array) -> str:
     """That values at ends where functions are small are not known to many digits on these meshes; of rows z."""
-    worst, where = 0.0, 0
-    for row in np.unique(np.linspace(0, len(z) - 1, ROWS).astype(int)):
-        error = error_at_small_ends(problem.profile(z[row]), natural)
-        if error > max(worst, UNRESOLVED * problem.tolerance):
-            worst, where = error, int(row)
+
+    def error_of(profile: Profile) -> float:
+        return error_at_small_ends(profile, natural)
+
+    worst, where = _worst(problem, z, error_of)
     if worst == 0.0:
         return ""
     return (
         f"at ends where a function is much smaller than elsewhere it is known to about {min(worst, 1.0):.0e} of its "
-        f"own size only near {problem.parameters[0]} = {float(z[where, -1]):.6g}: so are its .start or .end there. Try "
+        f"own size only near {problem.parameters[0]} = {where:.6g}: so are its .start or .end there. Try "
         "more settings.intervals"
     )
 
@@ -117,19 +118,28 @@ def remark(problem: BoundaryEquations, z: Array, natural: Array) -> str:
 
     natural : sizes (n,) of functions that are zero but for rounding.
     """
-    worst, where = 0.0, 0
-    for row in np.unique(np.linspace(0, len(z) - 1, ROWS).astype(int)):
-        profile = problem.profile(z[row])
+
+    def error_of(profile: Profile) -> float:
         largest = np.abs(profile.u).max(axis=0)
         sizes = np.where(largest > ROUNDED * natural, largest, natural)
         error = float(defects(problem, profile, profile.h, sizes).max())
-        told = WORTHLESS * estimate(profile, sizes, closed=False)[0]
-        if error > max(worst, UNRESOLVED * problem.tolerance, told):
-            worst, where = error, int(row)
+        return error if error > WORTHLESS * estimate(profile, sizes, closed=False)[0] else 0.0  # as the mesh tells
+
+    worst, where = _worst(problem, z, error_of)
     if worst == 0.0:
         return ""
     return (
         f"the equations are met between the points of the mesh only to {worst:.0e} of the solution's size near "
-        f"{problem.parameters[0]} = {float(z[where, -1]):.6g}, as where a coefficient is singular: values are known to "
+        f"{problem.parameters[0]} = {where:.6g}, as where a coefficient is singular: values are known to "
         "no more than that. Try other variables there (x = s^2 for a root), or more settings.intervals"
     )
+
+
+def _worst(problem: BoundaryEquations, z: Array, error_of: Callable[[Profile], float]) -> tuple[float, float]:
+    """The largest error in some of the rows z, and the parameter there; (0, 0) where all are within the tolerance."""
+    worst, where = 0.0, 0.0
+    for row in np.unique(np.linspace(0, len(z) - 1, ROWS).astype(int)):
+        error = error_of(problem.profile(z[row]))
+        if error > max(worst, UNRESOLVED * problem.tolerance):
+            worst, where = error, float(z[row, -1])
+    return worst, where

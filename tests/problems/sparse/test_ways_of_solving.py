@@ -28,7 +28,7 @@ def cells(way):
     return problem, np.sort(1.2 - np.linalg.eigvalsh(coupling.toarray()))
 
 
-@pytest.mark.parametrize("way", [pytest.param("dense", marks=pytest.mark.long), "sparse", "earlier factors"])
+@pytest.mark.parametrize("way", ["dense", "sparse", "earlier factors"])
 def test_every_branch_from_rest_is_found_at_its_place(way, monkeypatch):
     if way == "earlier factors":
         monkeypatch.setattr("contin.problems.sparse.jacobian.ALWAYS_FACTORED", 0)
