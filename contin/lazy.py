@@ -39,6 +39,7 @@ MODULES: Final = {
     "drawn scans": "contin.plot.scan",
     "boundary": "contin.bvp.from_guess",  # a run of a boundary-value problem starts from a guess of functions
     "responses": "contin.search.forced_responses",  # ... of a forced flow from what a trajectory settles on
+    "large equilibria": "contin.search.large_equilibrium",  # few models are large
     "large cycles": "contin.transitions.large_cycles",  # sparse matrices of scipy, 0.2 s: few orbits are large
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other
 }

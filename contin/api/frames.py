@@ -9,7 +9,6 @@ import numpy as np
 from contin.abi import Array
 from contin.api.machine_code import compiled
 from contin.model.model import Model
-from contin.pde.problem import PdeProblem
 from contin.symbolic.passes import corotating
 from contin.symbolic.passes.lifted import lifted
 from contin.systems.functions.function_problem import FunctionProblem
@@ -26,9 +25,10 @@ def frame_for(model: Any, u: Array, p: Array) -> tuple[Any, Array]:
 
 def samples_in_frame(model: Any, states: Array, p: Array) -> tuple[Any, Array]:
     """The same for samples (K, n) of an orbit of a function; other models as they are."""
-    if isinstance(model, PdeProblem):
-        return model, model.in_frame(states)
-    found = in_frame(model, states, p) if isinstance(model, FunctionProblem) else None
+    if not isinstance(model, FunctionProblem):
+        return model, states
+    states = model.in_frame(states)
+    found = in_frame(model, states, p)
     return (model, states) if found is None else found
 
 

@@ -17,7 +17,6 @@ from contin.model.kinds import need_states
 from contin.problems.sparse.from_model import sparse_function
 from contin.records import Record
 from contin.search.equilibrium_from_guess import converge
-from contin.search.large_equilibrium import converge_large
 from contin.systems.functions.function_problem import FunctionProblem
 from contin.systems.iterate import iterate
 
@@ -58,11 +57,11 @@ def equilibrium(
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
         if model.kind == "flow" and period == 1:
-            return converge_large(compiled(model), u, p)
+            return module("large equilibria").converge_large(compiled(model), u, p)
         _need_dense(model)
     sparse = sparse_function(model, u, p) if period == 1 else None
     if sparse is not None:
-        return converge_large(sparse.system(), u, p)
+        return module("large equilibria").converge_large(sparse.system(), u, p)
     model = lift_for(model, u, p, period)
     system = compiled(model) if period == 1 else iterate(compiled(model), period)
     try:

@@ -79,10 +79,10 @@ def _print_regions(phase: Record, console: Console) -> None:
 
 
 def _print_simulated(document: Mapping[str, object], console: Console) -> None:
-    found = lazy.module("simulated").lines(document)
-    if found:
-        console.print()
-    for line in found:
+    if not document.get("simulations") and "sweep" not in document:
+        return
+    console.print()
+    for line in lazy.module("simulated").lines(document):
         console.print(Text(line))
 
 

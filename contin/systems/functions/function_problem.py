@@ -71,6 +71,10 @@ class FunctionProblem(GivenFunction):
             )
         return FunctionInKernels(self.divided())
 
+    def in_frame(self, states: Array) -> Array:
+        """Samples (K, n) of an orbit of the equations as they were written, in the problem's own unknowns."""
+        return states
+
     def measured(self) -> FunctionProblem:
         """The function with what is measured until it settles as its record: states (of angles cosine and sine)."""
         measured = copy(self)
