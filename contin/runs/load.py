@@ -20,6 +20,9 @@ VALUES: Final = (
     "unknown key: values of parameters stand in the start, {x: 1, parameters: {a: 2}}, or, for all runs, under "
     "`parameters:` at the top of the file"
 )
+BOTH: Final = (
+    "unknown key: a curve in two parameters is written `parameter: [a, b]`, with `range: {a: [0, 1], b: [0, 1]}`"
+)
 _EXAMPLES: Final = {
     "model": "add `model: NAME` (see `contin models`), a path, or a whole model",
     "parameter": "add `parameter: NAME`, the parameter to vary",
@@ -75,7 +78,7 @@ def _note(item: Json, problems: Problems, shape: type[BaseModel]) -> None:
     count = len(value) if isinstance(value, list) else shown(value)
     own = {"too_long": f"expected one parameter or two, got {count}"}
     if item["loc"][-1:] == ("parameters",):  # empty: of the file as a whole
-        own["extra_forbidden"] = VALUES
+        own["extra_forbidden"] = BOTH if isinstance(value, list) else VALUES
     note(item, problems, lambda path: _keys_at(path, shape), _EXAMPLES, own)
 
 

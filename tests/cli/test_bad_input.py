@@ -54,6 +54,7 @@ def message(tmp_path, capsys):
         ),
         ("parameter: mu", "paramter: mu", "continuations[0].paramter: unknown key: did you mean 'parameter'"),
         ("name: line", "parameters: {mu: 1}", "unknown key: values of parameters stand in the start"),
+        ("name: line", "parameters: [mu, beta]", "unknown key: a curve in two parameters is written `parameter: "),
         (
             "parameter: mu",
             "parameter: [mu, beta]",
