@@ -5,6 +5,10 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import typer
 
 from contin.cli.clock import STARTED  # noqa: F401 - before all other imports
 from contin.cli.interrupt import exit_code, listen
@@ -46,6 +50,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     raise SystemExit(code)
 
 
+@cache
+def _command() -> Any:
+    """The application with all its options, which takes 40 ms to make: once in a process, however often it is called."""
+    return typer.main.get_command(app)
+
+
 def _stopped() -> int:
     sys.stderr.write("stopped\n")
     return exit_code()
@@ -57,7 +67,7 @@ def _exit_code(arguments: Sequence[str] | None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("always", DamageWarning)
             warnings.showwarning = warned
-            app(arguments, prog_name="contin")
+            _command()(arguments, prog_name="contin")
     except ContinError as error:
         sys.stderr.write(f"{printable(str(error))}\n")
         return BAD_INPUT

@@ -86,8 +86,12 @@ class Listed:
     """A line of the list of models; a package that was not imported is one line without a title."""
 
     name: str
-    title: str
     source: str
+    family: Family | None = None  # whose file has the title; read when it is asked for
+
+    @property
+    def title(self) -> str:
+        return "" if self.family is None else self.family.title(self.name)
 
     def __iter__(self) -> Iterator[str]:
         return iter((self.name, self.title, self.source))
@@ -111,9 +115,9 @@ def listing() -> list[Listed]:
     for provider in providers():
         family = provider.load() if provider.bundled else None
         if isinstance(family, Family):
-            lines += [Listed(name, family.title(name), provider.distribution) for name in family.files()]
+            lines += [Listed(name, provider.distribution, family) for name in family.files()]
         elif not provider.bundled:
-            lines.append(Listed(provider.name, "", provider.distribution))
+            lines.append(Listed(provider.name, provider.distribution))
     return lines
 
 
