@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 @cache
 def _command() -> Any:
-    """The application with all its options, which takes 40 ms to make: once in a process, however often it is called."""
+    """The application with all its options, which takes 40 ms to make: once in a process."""
     return typer.main.get_command(app)
 
 
