@@ -17,7 +17,7 @@ from contin.homoclinic.interval import arc_of
 from contin.homoclinic.solved_connection import solved_connection
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.ends.invariant_circle import bottlenecks
-from contin.problems.orbits.ends.saddles import extent_of, saddles_near, turns
+from contin.problems.orbits.ends.saddles import extent_of, saddles_and_elsewhere, turns
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
@@ -35,7 +35,7 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
     sizes = problem.state_sizes(profile)
     if point.normal_form.get("kind") == "saddle-node":
         return [loop_of_saddle_node(problem, point, parameters)]
-    visited = saddles_near(problem, profile, sizes)
+    visited, _ = saddles_and_elsewhere(problem, profile, sizes)
     if not visited:
         raise InputError(f"{point.branch}.{point.label}: the orbit does not come near a saddle")
     loops = _passages(problem, profile, visited, sizes)

@@ -18,7 +18,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.machine import elementary
 from contin.problems.orbits.ends.ends import LINGERING
-from contin.problems.orbits.ends.saddles import Saddle, distance, extent_of, rounded, saddles_near
+from contin.problems.orbits.ends.saddles import Saddle, distances, extent_of, rounded, saddles_near
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields
@@ -59,7 +59,7 @@ def _beside(orbits: FamilyOfOrbits, profile: Profile, saddles: list[Saddle], siz
     log(NEAR / d) / t_in and log(NEAR / d) / t_out.
     """
     extent = extent_of(profile, sizes)
-    gaps = np.array([min(distance(orbits, s.u, u, sizes) for s in saddles) for u in profile.u[:-1]]) / extent
+    gaps = np.min([distances(orbits, s.u, profile.u[:-1], sizes) for s in saddles], axis=0) / extent
     outside = np.flatnonzero(gaps > NEAR)
     if not outside.size:
         return 1.0

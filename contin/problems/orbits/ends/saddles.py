@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
-from contin.problems.orbits.march.slow_passage import of_the_frame, slowest_points, turning
+from contin.problems.orbits.march.slow_passage import of_the_frame, slow_intervals, slowest_points, turning
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
@@ -64,25 +65,55 @@ class Saddle:
 
 
 def saddles_near(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> list[Saddle]:
-    """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period."""
-    extent = extent_of(profile, sizes)
+    """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period.
+
+    Empty where the orbit is slow elsewhere, too: a saddle that it has not come close to yet may be there.
+    """
+    found, elsewhere = saddles_and_elsewhere(problem, profile, sizes)
+    return [] if elsewhere else found
+
+
+def saddles_and_elsewhere(
+    problem: FamilyOfOrbits, profile: Profile, sizes: Array
+) -> tuple[list[Saddle], bool]:  # fmt: skip
+    """The same saddles, and whether the orbit is slow elsewhere; no saddles where one of them is not hyperbolic."""
+    extent, elsewhere = extent_of(profile, sizes), False
     found: list[Saddle] = []
     for u in slowest_points(problem, profile, sizes):
         near = equilibrium_near(problem, u, profile.parameter, sizes)
         if near is None or distance(problem, near.u, u, sizes) > NEAR_SADDLE * extent:
-            return []
+            elsewhere = True
+            continue
         values = near.own
         if not (np.any(values.real > 0) and np.any(values.real < 0)):
-            return []
+            return [], elsewhere
         if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
-            return []
-        for k, known in enumerate(found):
-            if float(np.max(np.abs(apart(problem, known.u, near.u)) / sizes)) < 1e-6:
-                found[k] = replace(known, visits=known.visits + 1)
-                break
-        else:
+            return [], elsewhere
+        if all(float(np.max(np.abs(apart(problem, known.u, near.u)) / sizes)) >= 1e-6 for known in found):
             found.append(near)
-    return found
+    return [replace(s, visits=_visits(problem, s, profile, sizes)) for s in found], elsewhere
+
+
+def time_away(problem: FamilyOfOrbits, saddles: Sequence[Saddle], profile: Profile, sizes: Array) -> float:
+    """The time of a period that the orbit spends away from saddles."""
+    reach, spans = NEAR_SADDLE * extent_of(profile, sizes), np.diff(profile.times) * profile.period
+    gaps = [distances(problem, s.u, profile.u[:-1], sizes) for s in saddles]
+    return float(spans[np.min(gaps, axis=0) > reach].sum())
+
+
+def _visits(problem: FamilyOfOrbits, saddle: Saddle, profile: Profile, sizes: Array) -> int:
+    """How often the orbit comes near the saddle and is slow there before it goes away again.
+
+    It may be slow more than once on one visit: along a slow manifold that leads away, for example.
+    """
+    near = distances(problem, saddle.u, profile.u[:-1], sizes) <= NEAR_SADDLE * extent_of(profile, sizes)
+    slow = slow_intervals(problem, profile, sizes)
+    if near.all():
+        return 1
+    first = int(np.argmin(near))  # begin away from it
+    near, slow = np.roll(near, -first), np.roll(slow, -first)
+    visit = np.cumsum(near[1:] & ~near[:-1])  # the number of the visit that a node belongs to
+    return max(1, len(set(visit[near[1:] & slow[1:]].tolist())))
 
 
 def equilibria_of(problem: FamilyOfOrbits) -> EquilibriumProblem:
@@ -115,12 +146,19 @@ def apart(problem: FamilyOfOrbits, u: Array, v: Array) -> Array:
 
 def distance(problem: FamilyOfOrbits, u: Array, v: Array, sizes: Array) -> float:
     """Largest difference of two states relative to their sizes, in a turning frame: but for a small turn."""
-    gap = (u - v) / sizes
-    along = turning(problem, v[None])
-    if along is not None and along.any():
-        xi = along[0] / sizes
-        gap = gap - float(gap @ xi) / float(xi @ xi) * xi
-    return float(np.max(np.abs(gap)))
+    return float(distances(problem, u, v[None], sizes)[0])
+
+
+def distances(problem: FamilyOfOrbits, u: Array, states: Array, sizes: Array) -> Array:
+    """The same of a state (n,) and each of K states (K, n)."""
+    gaps = apart(problem, u, states) / sizes
+    along = turning(problem, states)
+    if along is not None:
+        xi = along / sizes
+        squares = np.sum(xi * xi, axis=1)
+        parts = np.sum(gaps * xi, axis=1) / np.where(squares > 0.0, squares, 1.0)
+        gaps = gaps - parts[:, None] * xi
+    return np.asarray(np.max(np.abs(gaps), axis=1))
 
 
 def rounded(state: Array, sizes: Array) -> Array:

@@ -14,26 +14,22 @@ from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.problems.orbits.ends.extrapolated import Limit, extrapolated, with_next
-from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_near
+from contin.problems.orbits.ends.agreement import AGREED, error_of_limit
+from contin.problems.orbits.ends.extrapolated import extrapolated, with_next
+from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_and_elsewhere, time_away
 from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.peaks import extrema
 from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
 
-REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
-AGREED = 1e-9  # ... or at which two extrapolations agree to this
-AGREED_SPIRAL = 1e-7  # ... with complex leading eigenvalues, where infinitely many folds accumulate
 SWINGING = 6.0  # the error estimate's factor of safety there
-DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
-NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
 RELAXED = 3.0  # periods, in units of a slower rate, from which its term would be seen; before it is like a constant
 FADES = 0.5  # part of a faster rate at which dp/dT must fall: the two constants of a spiral fit any two orbits
 FITS = 0.1  # part of what the parameter moved that a faster rate may leave unexplained
-SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
-NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
+ELSEWHERE = 0.02  # part of what the period gained that an orbit may gain away from saddles where it is slow there, too
 PRECISE = Settings(tolerance=1e-11)
 ROUNDING = 2e-11  # of the range: what Newton's last steps leave of a limit
 FINER = 2.0  # the finer mesh has an error of its own
@@ -62,9 +58,13 @@ def diverged(
     gained = profile.period - earlier.period
     if not gained > 0.0:
         return None
-    saddles = saddles_near(problem, profile, sizes)
+    saddles, elsewhere = saddles_and_elsewhere(problem, profile, sizes)
     if not saddles:
         return None
+    if elsewhere:
+        away, before_away = (time_away(problem, saddles, orbit, sizes) for orbit in (profile, earlier))
+        if abs(away - before_away) > ELSEWHERE * gained:
+            return None
     slopes = [_slope(problem, sample, frame, failed) for sample in (origin, before)]
     if np.isnan(slopes).any():
         return None
@@ -84,7 +84,7 @@ def diverged(
     if failed:
         limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
     for level, limit in enumerate(limits):
-        error = _error(limit, moved, growth, width, failed, first=level == 0)
+        error = error_of_limit(limit, moved, gained, growth, width, failed, first=level == 0)
         if error is None:
             continue
         at = profile.parameter + limit.step
@@ -94,24 +94,6 @@ def diverged(
         doubt += ROUNDING * width + _by_mesh(problem, origin, frame, slopes[0], limit.step)
         return _connection(problem, origin, profile, at_limit, at, doubt)
     return None
-
-
-def _error(limit: Limit, moved: float, growth: float, width: float, failed: bool, first: bool) -> float | None:
-    """The error of a limit; None where it is not believed.
-
-    moved : by how much the parameter changed between the two orbits.  growth : of the extrema, by the period.  first :
-    of the slowest rates.
-    """
-    remaining = abs(limit.step)
-    if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
-        return None
-    error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
-    error = max(error, limit.doubt)
-    settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
-    near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
-    if failed and remaining < NOISE * width:
-        near, error = True, max(error, remaining)
-    return error if settled or (near and first) else None
 
 
 def _by_mesh(problem: FamilyOfOrbits, origin: Sample, frame: Frame, slope: float, step: float) -> float:
@@ -159,7 +141,8 @@ def _changed(saddles: list[Saddle], at_limit: list[Saddle]) -> float:
 def _growth(profile: Profile, earlier: Profile, sizes: Array, winding: Array) -> float:
     """Largest change of an extremum between two orbits, relative to the extent; not of angles that go round: their
     extrema say where a period begins, and they cannot grow."""
-    changes = [np.abs(f(profile.u, axis=0) - f(earlier.u, axis=0)) / sizes for f in (np.min, np.max)]
+    now, then = (np.array(extrema(orbit.u[None], orbit.m))[:, 0] for orbit in (profile, earlier))
+    changes = np.abs(now - then) / sizes
     return float(np.max(changes, initial=0.0, where=np.asarray(winding == 0.0))) / extent_of(profile, sizes)
 
 

@@ -43,8 +43,14 @@ def speeds(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> tuple[Arr
 
 def dwelling(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> float:
     """Part of the period during which the orbit moves at less than a twentieth of its mean speed."""
-    speed, mean, spans = speeds(problem, profile, sizes)
-    return float(spans[speed < SLOW * mean].sum())
+    _, _, spans = speeds(problem, profile, sizes)
+    return float(spans[slow_intervals(problem, profile, sizes)].sum())
+
+
+def slow_intervals(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> NDArray[np.bool_]:
+    """Between which nodes the orbit moves at less than a twentieth of its mean speed."""
+    speed, mean, _ = speeds(problem, profile, sizes)
+    return np.asarray(speed < SLOW * mean)
 
 
 def slowest_points(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> list[Array]:
