@@ -60,6 +60,17 @@ _KEYS: Final = {
     **dict.fromkeys(("delays", "delay", "lags", "history"), DELAY),
     **dict.fromkeys(("noise", "wiener", "diffusion", "sde"), NOISE),
     **dict.fromkeys(("domain", "fields", "boundary"), "it belongs to kind: pde (docs: your PDE)"),
+    **dict.fromkeys(
+        ("aux", "auxiliary", "auxiliaries", "expressions", "intermediates", "let", "macros", "rates", "where"),
+        "names for parts of equations stand under definitions: {name: formula}",
+    ),
+    **dict.fromkeys(
+        ("dynamics", "ode", "odes", "rhs", "vector_field"), "rates stand under equations: {state: formula}"
+    ),
+    **dict.fromkeys(
+        ("init", "initial", "initial_conditions", "initial_values", "variables", "vars"),
+        "states, with the values that runs start from, stand under states: {name: value}",
+    ),
 }
 _DELAYED: Final = re.compile(r"(.+?)_?(tau\d*|delay|delayed|lag|lagged|past|prev|previous)")
 _LEIBNIZ: Final = re.compile(r"d(2|3|4)?([A-Za-z]\w*)")

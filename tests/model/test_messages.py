@@ -68,6 +68,8 @@ def test_several_mistakes_are_reported_at_once_in_the_order_of_the_file():
     [
         ("contin: 1\n", "", "m.yaml:1:1: the format version is missing; add `contin: 1`"),
         ("contin: 1", "contin: one", "m.yaml:1:9: contin: expected the format version 1, got 'one'"),
+        ("definitions:", "expressions:", "unknown key: names for parts of equations stand under definitions: {name: "),
+        ("observables:", "initial:", "unknown key: states, with the values that runs start from, stand under states"),
         ("name: good\n", "", "'name' is missing; add `name: my-model`"),
         ("value: 3.0", "value: abc", "m.yaml:5:14: states.y.value: unknown name 'abc'"),
         ("value: 3.0", "value: true", "m.yaml:5:14: states.y.value: expected a number or a formula, got true"),
