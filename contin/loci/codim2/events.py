@@ -17,6 +17,7 @@ from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.loci.codim2 import degenerate, zero_hopf_crossing
+from contin.loci.codim2.double_zero import on_branch_points
 from contin.loci.codim2.fold_ends import at_fold
 from contin.loci.codim2.forms import described
 from contin.loci.codim2.functions import critical_indices, function_of, rounding_of
@@ -130,6 +131,9 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
         touching = at_fold(problem, z, exact, frame)
         if touching is not None:
             return touching
+    crossing = _on_branch_points(problem, type_, solved, near, frame)
+    if crossing is not None:
+        return crossing
     if solved is None:
         touched = _touched(problem, type_, near, frame)
         return touched or unverified(type_, "Newton on its defining system did not converge")
@@ -142,6 +146,20 @@ def _verified(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) ->
     if type_ == "BT" and not solved.alone:  # rounding of its function makes changes of sign between two of them
         return Rejected(f"{type_} not labelled: others lie closer than {DIFFERENCE:g} to it (scaled)")
     return _point(problem, type_, solved, frame)
+
+
+def _on_branch_points(
+    problem: CurveOfPoints, type_: str, solved: Solution | None, near: Sample, frame: Frame
+) -> Verified | None:
+    """The double zero at which a curve of pairs meets one of branch points: what makes its own system singular."""
+    if (type_, problem.locus) not in (("BT", "HB"), ("R1", "NS")):
+        return None
+    if solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT:
+        return None
+    z = near.z if solved is None else solved.y * frame.scale
+    if not zero_hopf_crossing.is_forced(problem, z, frame.scale):
+        return None
+    return on_branch_points(problem, type_, z[: problem.n], z)
 
 
 def _touched(problem: CurveOfPoints, type_: str, near: Sample, frame: Frame) -> Verified | None:
@@ -244,6 +262,8 @@ def verify_compound(problem: CurveOfPoints, a: Sample, b: Sample, frame: Frame) 
         if type_ in ("GH", "GPD") and any(_is_crossing(item) for item in found):
             continue  # l1 (c) has no pole there, and did not change its sign: the test counts with one
         found.append(verify(problem, type_, a, frame))
+    if problem.locus == "LP" and any(_is_crossing(item) for item in found):
+        return [item for item in found if _is_crossing(item)]  # it is what both tests vanish at
     return found
 
 

@@ -1,8 +1,10 @@
-"""DP where a curve of folds touches that of branch points: what a cusp of the folds may be instead."""
+"""Where a curve of folds meets that of branch points: what a cusp of the folds may be instead.
+
+DP, where it touches that curve and ends; a double zero, where folds on an invariant plane cross it (`double_zero`).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,11 +14,13 @@ from contin.continuation.outcome import Rejected, Verified
 from contin.continuation.sample import Frame, Sample
 from contin.loci.codim2 import degenerate
 from contin.loci.codim2.degenerate import APART
+from contin.loci.codim2.double_zero import UNFORCED, BranchPoints, branch_points_next_to, on_branch_points
 from contin.loci.codim2.forms import branching_form
 from contin.loci.codim2.functions import function_of
 from contin.loci.codim2.matrices import eigenvalues, own_critical
 from contin.loci.codim2.solving import RESIDUAL_LIMIT, solve
 from contin.loci.tolerances import ILL_CONDITIONED
+from contin.normalforms.result import NO_FORM
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -24,12 +28,11 @@ if TYPE_CHECKING:
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
 NEARLY = 0.05  # the same where the cusp was not solved to full accuracy, as near a pitchfork's DP
 BESIDE = 0.1  # the same where that was not solved to full accuracy
-UNFORCED = 1e-8  # an unfolding parameter above this is not zero
 ASIDE = 0.02  # scaled distance along the branch points at which their kind is decided
 
 
 def at_fold(problem: CurveOfPoints, z: Array, exact: bool, frame: Frame) -> Verified | None:
-    """The DP that a supposed cusp z on a curve of folds is where neither parameter unfolds it: F_p = 0 along w.
+    """The DP (BT, R1) that a supposed cusp z on a curve of folds is where no parameter unfolds it: F_p = 0 along w.
 
     Folds of the branches that cross at branch points end there: the two curves meet, and the defining system of folds
     is singular. The point is solved for on the curve of branch points instead; None where it is a cusp. `exact`: the
@@ -39,7 +42,7 @@ def at_fold(problem: CurveOfPoints, z: Array, exact: bool, frame: Frame) -> Veri
     u, p = z[:n], curve.full_parameters(z)
     if _slope(problem, u, p, frame) > (ACROSS if exact else NEARLY):
         return None
-    branching = _branch_points(problem, u, p)
+    branching = branch_points_next_to(problem, u, p)
     scale = branching.initial_scale(branching.start, problem.first_bounds)
     solved = _solved(branching, scale)
     if solved is None:
@@ -48,7 +51,10 @@ def at_fold(problem: CurveOfPoints, z: Array, exact: bool, frame: Frame) -> Veri
     moved = np.concatenate([(found[:n] - u) / d, (found[-2:] - z[-2:]) / frame.scale[-2:]])
     if abs(found[-3]) > UNFORCED or np.linalg.norm(moved) > (APART if exact else BESIDE):
         return None
-    return _verified(problem, branching, found, residual, error * float(scale[-1]))
+    try:
+        return _verified(problem, branching, found, residual, error * float(scale[-1]))
+    except NO_FORM:  # at a double zero, where folds on an invariant plane cross the curve on which it is left
+        return on_branch_points(problem, "R1" if curve.system.kind == "map" else "BT", found[:n], found)
 
 
 def _slope(problem: CurveOfPoints, u: Array, p: Array, frame: Frame) -> float:
@@ -63,25 +69,7 @@ def _slope(problem: CurveOfPoints, u: Array, p: Array, frame: Frame) -> float:
     return float(np.abs(w @ slopes).max() / max(float(np.linalg.norm(slopes)), float(np.linalg.norm(matrix))))
 
 
-@dataclass(frozen=True, eq=False)
-class _BranchPoints:
-    """The curve of branch points next to (u, p): its problem and a point of it, from which Newton starts."""
-
-    problem: CurveOfPoints
-    start: Array
-
-    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        return np.asarray(self.problem.initial_scale(z, bounds))
-
-
-def _branch_points(problem: CurveOfPoints, u: Array, p: Array) -> _BranchPoints:
-    other = problem.of_type("BP", p)
-    start = other.curve.place(u, p, 0.0)
-    settled = other.curve.settled(start, other.initial_scale(start, problem.first_bounds))
-    return _BranchPoints(replace(other, curve=settled), start)
-
-
-def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float] | None:
+def _solved(branching: BranchPoints, scale: Array) -> tuple[Array, float, float] | None:
     """(z, residual, error) of the DP on the curve of branch points; its kind is that of points further along."""
     other = branching.problem
     for index, side in ((-2, 1.0), (-2, -1.0), (-1, 1.0), (-1, -1.0)):
@@ -98,7 +86,7 @@ def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float
 
 
 def _verified(
-    problem: CurveOfPoints, branching: _BranchPoints, found: Array, residual: float, error: float
+    problem: CurveOfPoints, branching: BranchPoints, found: Array, residual: float, error: float
 ) -> Verified:
     z = problem.curve.place(found[: problem.n], problem.curve.full_parameters(found))
     if degenerate.kind(branching.problem, found) == "pitchfork":
