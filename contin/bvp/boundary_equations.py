@@ -17,10 +17,11 @@ from contin.errors import InputError
 from contin.kernels.boundary_march import Conditions, new_conditions
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.mesh.layout import Profile, profile_of, sizes_of
+from contin.problems.orbits.mesh.layout import Profile, profile_of, sizes_of, trimmed
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
 LONGEST_CHUNK = 300
+PLACES = 65  # at which functions of different rows are compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +113,17 @@ class BoundaryEquations(Problem):
         work = self.spaces[intervals]
         work.points.p[:] = p
         return work
+
+    def asked_alone(self, values: Array) -> Array:
+        """Each function, by its mean square, and the parameter: values of one mesh."""
+        intervals = (values.shape[1] - self.n - 2) // (self.points * self.n + 1)
+        nodes = values[:, : (intervals * self.points + 1) * self.n].reshape(len(values), -1, self.n)
+        return np.column_stack([np.linalg.norm(nodes, axis=1), np.abs(values[:, -1])])
+
+    def at_shared_places(self, z: Array, values: Array) -> Array:
+        """At `PLACES` places of the interval, (places, n)."""
+        mesh = self.profile(z)
+        return replace(mesh, u=self.profile(values[-trimmed(z).size :]).u).at(np.linspace(0.0, 1.0, PLACES))
 
     def profile(self, z: Array) -> Profile:
         return profile_of(z, self.n, self.points)

@@ -151,6 +151,9 @@ class BoundaryProblem(BoundaryEquations):
         )
         return End("joined", text, {"at": at})
 
+    def mesh_error(self, z: Array, sizes: Array) -> float:
+        return estimate(self.profile(z), sizes, self.closed)[0]
+
     def column(self, name: str, z: Array) -> Array:
         return own_column(self, name, z)
 

@@ -18,6 +18,7 @@ from contin.bvp import normal_forms
 from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.continuum import free_function
 from contin.bvp.defects import finer as finer_mesh
+from contin.bvp.imperfection import imperfection
 from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
@@ -74,7 +75,11 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
     if other is None:
         return unverified(type_, "it is not there on a mesh of twice as many intervals")
-    moved = abs(other - float(x[-1]))
+    sizes = problem.sizes(near.z, frame.scale)
+    apart = imperfection((mesh, x, found.left), (OnMesh(problem, other.h), other.x, other.left), sizes)
+    if apart > 0.0:
+        return unverified(type_, f"two branches pass each other there at a distance (equations met to {apart:.1e})")
+    moved = abs(float(other.x[-1] - x[-1]))
     error = scatter + ORDER * moved + ROUNDING * abs(float(x[-1]))
     if type_ == "LP":
         form = normal_forms.fold(mesh, x, found.direction, local.scale[:-1])
@@ -138,6 +143,8 @@ class Found:
     residual: float
     direction: Array
     scatter: Callable[[], float]
+    h: Array  # of the mesh
+    left: Array | None = None  # of a branch point: the left null vector of F_u
 
 
 def _in_unknowns(mesh: OnMesh, sample: Sample) -> Sample:
@@ -170,7 +177,7 @@ def _fold(problem: BoundaryEquations, near: Sample, frame: Frame) -> Found | Rej
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
     mesh = OnMesh(problem, problem.profile(at.z).h)
     moving = mesh.unknowns(at.tangent) * mesh.unknowns(frame.scale)
-    return Found(mesh.unknowns(at.z), residual, moving[:-1], lambda: error)
+    return Found(mesh.unknowns(at.z), residual, moving[:-1], lambda: error, mesh.h)
 
 
 def reduction(
@@ -201,7 +208,7 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
         again = reduced.branch_point(x + PERTURBATION * frame.scale * shift, found.hessian)
         return np.inf if again is None else 4.0 * abs(float(again.z[-1] - x[-1]))
 
-    return Found(x, residual, q, scatter)
+    return Found(x, residual, q, scatter, mesh.h, reduced.column)
 
 
 def form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
@@ -230,12 +237,12 @@ def form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: f
 
 def _on_finer_mesh(
     problem: BoundaryEquations, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
-) -> float | None:
-    """The parameter of the same point where every interval is halved."""
+) -> Found | None:
+    """The same point where every interval is halved."""
     if type_ == "LP":
         there = problem.refined(replace(near, z=mesh.full(x)), frame)
         fold = None if there is None else _fold(cast("BoundaryEquations", there[0]), *there[1:])
-        return None if fold is None or isinstance(fold, Rejected) else float(fold.x[-1])
+        return None if fold is None or isinstance(fold, Rejected) else fold
     sizes = problem.sizes(near.z, frame.scale)
     h = finer_mesh(problem, mesh.profile(x), sizes)
     finer = OnMesh(problem, h)
@@ -245,7 +252,7 @@ def _on_finer_mesh(
     t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale
     start = Sample(np.append(old.u.ravel(), x[-1]), t / norm(t), near.tests, 0, NO_VALUES)
     found = _branch_point(finer, start, Frame(scale))
-    return None if isinstance(found, Rejected) else float(found.x[-1])
+    return None if isinstance(found, Rejected) else found
 
 
 def tangents(problem: BoundaryEquations, z: Array, scale: Array) -> list[Array]:

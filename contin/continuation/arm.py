@@ -193,7 +193,7 @@ class Arm:
         problem, settings = self.problem, self.course.settings
         return first_unexplained(
             chunk, before, length, self.scale, problem.angle_periods, NOISE * settings.newton_tolerance,
-            settings.min_step, each=not problem.adaptive,
+            settings.min_step, problem.asked_alone,
         )  # fmt: skip
 
     def _until_unresolved(self, chunk: Chunk) -> tuple[Chunk, Array | None]:

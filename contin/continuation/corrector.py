@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Failure
+from contin.kernels.algebraic import STALLED
 from contin.kernels.steering import STAGNATION
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
@@ -184,7 +185,7 @@ def correct(
         if not done and compare and ratio > 0.5:
             if not (size < STAGNATION and first > size):
                 return Failure.NO_CONTRACTION
-            done = True
+            done = ratio > STALLED  # else they fall like a geometric series: beside a singular point, not in rounding
         once_more = once_more and size > tolerance
         if done:
             z, iterations = z0 + scale * y, iteration - int(before is not None)

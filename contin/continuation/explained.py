@@ -9,6 +9,7 @@ the slope before foretold, and none after), the slope itself is not what the two
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -42,38 +43,41 @@ class Unexplained:
 
 def first_unexplained(
     chunk: Chunk, before: Sample | None, length: float, scale: Array, angle_periods: Array, noise: float, least: float,
-    each: bool,
+    alone: Callable[[Array], Array | None],
 ) -> Unexplained | None:  # fmt: skip
     """Steps that are not those of one smooth curve; None: there are none.
 
     before, length : the sample before row 0, where there is one, and the step from it.  noise : what the corrector
-    leaves in scaled unknowns.  least : the smallest step.  each : whether every unknown is asked in its own size, not
-    only in the step's (values on a mesh: some change fast anywhere).
+    leaves in scaled unknowns.  least : the smallest step.  alone : `Problem.asked_alone`, of what is asked in its own
+    size, not only in the step's.
     """
     y, t, h = chunk.z / scale, chunk.tangents, chunk.lengths[1:, None]
-    slopes, moved = np.abs(t), np.abs(y[1:] - y[:-1])
-    left = np.abs(y[1:] - y[:-1] - 0.5 * h * (t[:-1] + t[1:]))
-    strange = left > ASIDE * h + noise
+    step, bend = y[1:] - y[:-1], (t[1:] - t[:-1]) / h
+    rest = step - 0.5 * h * (t[:-1] + t[1:])
+    strange = (np.abs(rest) > ASIDE * h + noise).any(axis=1)
     vanished = np.zeros_like(strange)
-    if each:
+    size = alone(y)
+    if size is not None:
+        slopes, moved, left = (np.asarray(alone(values)) for values in (t, step, rest))
         steepest = np.maximum(slopes[:-1], slopes[1:])
         apart = left > UNEXPLAINED * np.maximum(steepest * h, moved)
-        bend = (t[1:] - t[:-1]) / h
-        apart[1:] |= np.abs(bend[1:] - bend[:-1]) * h[1:] > STRAY * np.maximum(steepest[1:], slopes[:-2])
+        if len(bend) > 1:
+            turned = np.asarray(alone(bend[1:] - bend[:-1]))
+            apart[1:] |= turned * h[1:] > STRAY * np.maximum(steepest[1:], slopes[:-2])
         if before is not None and length > 0.0:
-            change = np.abs(bend[0] - (t[0] - before.tangent) / length) * h[0]
-            apart[0] |= change > STRAY * np.maximum(steepest[0], np.abs(before.tangent))
-        size, level = np.abs(y), (slopes[1:] < LEVEL * slopes[:-1]) & (moved > noise)
-        vanished = level & (apart | (size[1:] < VANISHED * size[:-1]))
-        vanished[:, :-1] &= angle_periods == 0.0
-        vanished[:, -1] = False
-        apart &= moved > max(noise, COUNTS)
-        apart[:, :-1] &= angle_periods == 0.0
-        strange |= apart | vanished
+            change = np.asarray(alone((bend[0] - (t[0] - before.tangent) / length)[None]))[0] * h[0]
+            foretold = np.asarray(alone(before.tangent[None]))[0]
+            apart[0] |= change > STRAY * np.maximum(steepest[0], foretold)
+        fixed = np.append(angle_periods == 0.0, True) if angle_periods.size else np.ones(size.shape[1], dtype=np.bool_)
+        level = (slopes[1:] < LEVEL * slopes[:-1]) & (moved > noise)
+        gone = level & (apart | (size[1:] < VANISHED * size[:-1])) & fixed
+        strange |= (apart & (moved > max(noise, COUNTS)) & fixed).any(axis=1)
+        vanished = gone[:, :-1].any(axis=1)
+        strange |= vanished
     if not strange.any():
         return None
-    long, over = h[:, 0] > max(SHORT, 2.0 * least), vanished.any(axis=1) & (h[:, 0] < CORNERED)
-    return Unexplained(_first(strange.any(axis=1) & long), _first(over))
+    long, over = h[:, 0] > max(SHORT, 2.0 * least), vanished & (h[:, 0] < CORNERED)
+    return Unexplained(_first(strange & long), _first(over))
 
 
 def _first(rows: NDArray[np.bool_]) -> int | None:

@@ -9,6 +9,7 @@ nothing of a state, however small it was.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Final
 
@@ -59,34 +60,44 @@ def _suspicious(
     for first in range(0, len(rows) - 1, block):
         part = rows[first : first + block + NEXT]
         y, t = z[part] / scale, tangents[part] / scale
-        strange = _unexplained(y, t, noise)
-        far = np.minimum(np.arange(len(part) - 1) + NEXT, len(part) - 1)
-        strange |= _vanishing(y[:-1], y[far], t[:-1], t[far], noise)
+        strange = suspicious(y, t, noise)
         strange[:, :-1] &= angle_periods == 0.0
         found += [first + int(k) for k in np.flatnonzero(strange[:block, :-1].any(axis=1))]
     return found
 
 
-def _unexplained(y: Array, t: Array, noise: float) -> NDArray[np.bool_]:
-    """(K - 1, N), of rows y with tangents t: where the parameter goes one way, and an unknown not as its slopes say."""
+def suspicious(y: Array, t: Array, noise: float, alone: Callable[[Array], Array] = np.abs) -> NDArray[np.bool_]:
+    """(K - 1, k), of rows y with tangents t: steps that are not what slopes lead to, or leave next to nothing.
+
+    alone : lengths (K, k) of what is asked by itself, of values (K, N): each unknown, or each function.
+    """
+    far = np.minimum(np.arange(len(y) - 1) + NEXT, len(y) - 1)
+    return _unexplained(y, t, noise, alone) | _vanishing(y[:-1], y[far], t[:-1], t[far], noise, alone)
+
+
+def _unexplained(y: Array, t: Array, noise: float, alone: Callable[[Array], Array]) -> NDArray[np.bool_]:
+    """Where the parameter goes one way, and an unknown not as its slopes say."""
     t = t / np.linalg.norm(t, axis=1)[:, None]
-    step = y[1:] - y[:-1]
-    h, moved, steep = np.linalg.norm(step, axis=1)[:, None], np.abs(step), np.maximum(np.abs(t[1:]), np.abs(t[:-1]))
-    apart = np.abs(step - 0.5 * h * (t[1:] + t[:-1])) > UNEXPLAINED * np.maximum(steep * h, moved)
+    step, slopes = y[1:] - y[:-1], alone(t)
+    h, moved, steep = np.linalg.norm(step, axis=1)[:, None], alone(step), np.maximum(slopes[1:], slopes[:-1])
+    apart = alone(step - 0.5 * h * (t[1:] + t[:-1])) > UNEXPLAINED * np.maximum(steep * h, moved)
     bend = (t[1:] - t[:-1]) / np.where(h > 0.0, h, 1.0)
-    apart[1:] |= np.abs(bend[1:] - bend[:-1]) * h[1:] > STRAY * steep[1:]
+    if len(bend) > 1:
+        apart[1:] |= alone(bend[1:] - bend[:-1]) * h[1:] > STRAY * steep[1:]
     return np.asarray(apart & (moved > noise) & (t[1:, -1:] * t[:-1, -1:] > 0.0))
 
 
-def _vanishing(near: Array, far: Array, t_near: Array, t_far: Array, noise: float) -> NDArray[np.bool_]:
-    """(K, N), of points and others a few rows on: where the slopes do not lead to how little is left, of unknowns or
-    of slopes that would have changed them by more than noise."""
-    moved = far - near
+def _vanishing(
+    near: Array, far: Array, t_near: Array, t_far: Array, noise: float, alone: Callable[[Array], Array]
+) -> NDArray[np.bool_]:  # fmt: skip
+    """Of points and others a few rows on: where the slopes do not lead to how little is left, of unknowns or of slopes
+    that would have changed them by more than noise."""
+    moved, before, steep, level = far - near, alone(near), alone(t_near), alone(t_far)
     length = np.linalg.norm(moved, axis=1)[:, None]
-    left = np.maximum(np.abs(moved - length * t_far), np.abs(moved - 0.5 * length * (t_near + t_far)))
-    little = (np.abs(far) < VANISHED * np.abs(near)) & (left > UNEXPLAINED * np.abs(near))
-    level = (np.abs(t_far) < VANISHED * np.abs(t_near)) & (left > UNEXPLAINED * length * np.abs(t_near))
-    return np.asarray(little | (level & (length * np.abs(t_near) > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)))
+    left = np.maximum(alone(moved - length * t_far), alone(moved - 0.5 * length * (t_near + t_far)))
+    little = (alone(far) < VANISHED * before) & (left > UNEXPLAINED * before)
+    flat = (level < VANISHED * steep) & (left > UNEXPLAINED * length * steep)
+    return np.asarray(little | (flat & (length * steep > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)))
 
 
 def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:

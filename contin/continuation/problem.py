@@ -197,6 +197,22 @@ class Problem(ABC):
         """
         return None
 
+    def asked_alone(self, values: Array) -> Array | None:
+        """(K, k) lengths of what is asked by itself whether tangents explain its steps, of values (K, N) in scaled
+        unknowns; the parameter last. None: only the whole is asked.
+
+        Here each unknown; where these are values on a mesh, some of which may change fast anywhere, none.
+        """
+        return None if self.adaptive else np.abs(values)
+
+    def at_shared_places(self, z: Array, values: Array) -> Array:
+        """Of branches of functions: values (like z, on its mesh) at places that all rows share, (places, functions)."""
+        raise NotImplementedError(f"{type(self).__name__} has no functions that are compared on different meshes")
+
+    def mesh_error(self, z: Array, sizes: Array) -> float:
+        """The estimated error of a solution by its mesh, relative to sizes of its functions; 0 where there is none."""
+        return 0.0
+
     @abstractmethod
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with the varying parameter fixed at `value`, to full precision."""

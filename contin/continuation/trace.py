@@ -27,6 +27,7 @@ from contin.continuation.ends.standing import until_standing
 from contin.continuation.ends.unbounded import until_lost
 from contin.continuation.gone_level import gone_level
 from contin.continuation.gone_over import gone_over
+from contin.continuation.gone_over_on_meshes import gone_over_on_meshes
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
@@ -254,13 +255,17 @@ def _astray(
     if in_two_parameters(problem):
         return []
     born, jumps = special
-    if problem.adaptive and problem.kind != "orbit":  # how far end values depend on the mesh is not known
+    if problem.adaptive and problem.kind not in ("orbit", "bvp"):  # how far end values depend on the mesh is unknown
         return []
     if problem.adaptive:
         over: list[int] = []
         errors: list[str] = []
+        known = {*born, *(row for row, _, _ in labels)}
         with contained(errors.append):
-            over = gone_level(problem, z, columns, start, {*born, *(row for row, _, _ in labels)}, bounds)
+            if problem.kind == "orbit":
+                over = gone_level(problem, z, columns, start, known, bounds)
+            else:
+                over = gone_over_on_meshes(problem, z, tangents, start, known, bounds)
         return [*errors, *(f"{OVER} near {position(problem, z[row])} (row {row})" for row in over)]
     turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
     over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale, NOISE)

@@ -6,6 +6,7 @@ no sign that they are as small as rounding lets them be: rows were 7e-6 off, whe
 
 import numpy as np
 import pytest
+import scipy.sparse
 from scipy.optimize import brentq
 
 import contin
@@ -28,3 +29,27 @@ def test_every_row_is_a_solution_or_next_to_one(shape, steepness, beyond):
             root = brentq(lambda y, a=a: f(steepness * y) - a * y, 1e-12, 100.0, xtol=1e-14)
             solutions += [root, -root]
         assert min(abs(x - one) for one in solutions) < 2e-9
+
+
+@pytest.mark.parametrize("beyond", [1.0001, 1.3])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_rows_of_large_systems_too(shape, beyond):
+    """The needle as the first of ten states, the others linear: rows were up to 1e-4 off."""
+    f, slope = SHAPES[shape], {"atan": lambda y: 1.0 / (1.0 + y * y), "tanh": lambda y: 1.0 - np.tanh(y) ** 2}[shape]
+    k, n = 3000.0, 10
+
+    def residual(u, p):
+        return np.append(f(k * u[0]) - p["a"] * u[0], 0.1 * u[:-1] - u[1:])
+
+    def jacobian(u, p):
+        first = k * slope(k * u[0]) - p["a"]
+        return scipy.sparse.diags([np.append(first, -np.ones(n - 1)), np.full(n - 1, 0.1)], [0, -1], format="csc")
+
+    needle = contin.FunctionProblem(residual, 0.1 ** np.arange(n), {"a": float(f(k))}, jacobian)
+    branch = contin.continuation(contin.equilibrium(needle), "a", (0.2, beyond * k))
+    sizes = branch.problem.initial_scale(branch.z[0], (0.2, beyond * k))[[0, -1]]  # of x and of a
+    for a, x in zip(branch.columns["a"], branch.z[:, 0], strict=True):  # on one of two curves, x = 0 and a = f(k x)/x
+        if abs(x) > 1e-9 * sizes[0]:
+            off = abs(f(k * x) / x - a)
+            aside = off * x * x / abs(k * x * slope(k * x) - f(k * x))
+            assert min(off / sizes[1], aside / sizes[0]) < 5e-9

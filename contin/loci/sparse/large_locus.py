@@ -23,7 +23,7 @@ from contin.loci.sparse import events
 from contin.loci.sparse.on_large_curve import OnLargeCurve
 from contin.problems.state_columns import state_columns
 
-POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0)
+POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0, ratio=0.9, budget=60)  # beside singular points: a series
 
 
 @dataclass(frozen=True, eq=False)

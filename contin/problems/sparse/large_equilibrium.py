@@ -28,7 +28,7 @@ from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 
 UNEVEN = 30.0  # ratio of sizes of states that are far apart
-POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0)
+POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0, ratio=0.9, budget=60)  # beside singular points: a series
 
 
 @dataclass(frozen=True, eq=False)

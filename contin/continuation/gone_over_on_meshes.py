@@ -1,0 +1,90 @@
+"""Whether a branch of functions has gone over to another one without a label, as `contin.continuation.gone_over` asks.
+
+Rows are functions on meshes of their own. Each is asked by its mean square over the interval, in what it is at places
+that all rows share; so are the solutions that are compared at the parameter of the last row before.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.gone_over import APART, NEXT, VANISHED, suspicious, way_back
+from contin.continuation.problem import Problem
+
+NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
+CLEAR: Final = 10.0  # times the estimated error of a mesh: a difference that is none of it
+MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes some thirty solutions
+
+
+def gone_over_on_meshes(
+    problem: Problem, z: Array, tangents: Array, start: int, labelled: set[int], bounds: tuple[float, float]
+) -> list[int]:  # fmt: skip
+    """The first rows of z (K, N), NaN in front of shorter ones, raw tangents beside, that are of another branch.
+
+    labelled : rows of special points, where branches meet.  bounds : of the parameter, for the metric.
+    """
+    functions = np.array([problem.at_shared_places(row, row) for row in z])
+    slopes = np.array([problem.at_shared_places(row, t) for row, t in zip(z, tangents, strict=True)])
+    sizes = np.abs(functions).max(axis=(0, 1))
+    sizes[sizes == 0.0] = 1.0
+    width = bounds[1] - bounds[0]
+
+    def flat(values: Array, p: Array) -> Array:
+        scaled = values / sizes / np.sqrt(values.shape[1])
+        return np.column_stack([scaled.reshape(len(values), -1), p / width])
+
+    def alone(values: Array) -> Array:
+        parts = values[:, :-1].reshape(len(values), -1, len(sizes))
+        return np.column_stack([np.linalg.norm(parts, axis=1), np.abs(values[:, -1])])
+
+    y, t = flat(functions, z[:, -1]), flat(slopes, tangents[:, -1])
+    found = []
+    for sense in (1, -1):
+        rows = np.arange(start, len(z)) if sense == 1 else np.arange(start, -1, -1)
+        if len(rows) < 2:
+            continue
+        strange = suspicious(y[rows], sense * t[rows], NOISE, alone) & (alone(y[rows[:-1]]) > NOISE)
+        steps = [
+            int(k) for k in np.flatnonzero(strange[:, :-1].any(axis=1))
+            if labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])
+        ]  # fmt: skip
+        for k in steps[:MOST]:
+            last = min(k + NEXT, len(rows) - 1)
+            beyond = (last - 1, last) if k + NEXT < len(rows) else (last,)
+            if all(_are_two(problem, z[rows[k : row + 1]], sizes, bounds) for row in beyond):
+                found.append(int(rows[k + 1]))
+                break
+    return sorted(found)
+
+
+def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
+    """True where the solution at the last of some rows goes back, by their parameters, to another than the first."""
+    here, there = (row[np.isfinite(row)] for row in (z[0], z[-1]))
+    first = problem.at_parameter(here.copy(), float(here[-1]), problem.initial_scale(here, bounds))
+    if first is None:
+        return False
+    scale = problem.initial_scale(there, bounds)
+    at, before, hop = there, None, np.zeros(len(sizes))
+    for place in way_back(z[::-1, -1]):
+        guess = at.copy() if before is None else 2.0 * at - before
+        found = problem.at_parameter(guess.copy(), place, scale)
+        if found is None:
+            return False
+        hop = np.maximum(hop, _size(problem.at_shared_places(found, found - guess)))
+        before, at = at, found
+    one, other, own, row = (problem.at_shared_places(v, v) for v in (there, at, first, here))
+    moved, apart, size = _size(own - one), _size(other - own), _size(own)
+    noise = max(NOISE, *(CLEAR * problem.mesh_error(v, sizes) for v in (there, first)))
+    away = (apart > APART * moved) & (moved > noise * sizes) & (hop < APART * apart)
+    falls = (_size(one) < VANISHED * size) & (_size(other) < VANISHED * size)
+    falls &= (_size(own - row) < APART * _size(row)) & (size > noise * sizes)
+    return bool(np.any(away | falls))
+
+
+def _size(functions: Array) -> NDArray[np.float64]:
+    """Root of the mean square of each function, values (places, functions)."""
+    return np.asarray(np.sqrt(np.mean(functions * functions, axis=0)))
