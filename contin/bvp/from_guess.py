@@ -18,6 +18,7 @@ from contin.errors import InputError, NoSolutionError
 from contin.model.model import Model
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile, make_scale, node_times
+from contin.systems.away_from_samples import PLACES, away, on_even_times
 
 MESHES = (20, 40, 80, 160)  # intervals of the first mesh: as many as the guess needs, ...
 RESOLVED = 0.02  # ... which is met to this part of its sizes
@@ -38,6 +39,7 @@ class BoundaryGuess:
     states: Array
     p: Mapping[str, float]
     free: tuple[str, ...]
+    sampled: bool = False  # the states are samples, which the solution is to be near
 
     @property
     def system(self) -> Model:
@@ -51,7 +53,16 @@ class BoundaryGuess:
         two = two_point(self.model, self.free)
         base = np.array([self.p[name] for name in two.parameters])
         problem = BoundaryProblem(two, base, two.parameters.index(parameter))
-        return Seed(problem, solved(problem, self._profile(two, problem)))
+        z = solved(problem, self._profile(two, problem))
+        return Seed(problem, z, remarks=self._apart(problem.profile(z)))
+
+    def _apart(self, found: Profile) -> tuple[str, ...]:
+        """A note where the solution is not near the samples."""
+        if not self.sampled:
+            return ()
+        solution = found.at(np.linspace(0.0, 1.0, PLACES))[:, : self.states.shape[1]]
+        note = away(self.model.state_names, on_even_times(self.times, self.states), solution)
+        return (note,) if note else ()
 
     def _profile(self, two: TwoPoint, problem: BoundaryProblem) -> Profile:
         """The guess on an even mesh fine enough for it, with constant free parameters and zero integrals."""
@@ -93,7 +104,7 @@ def boundary_guess(
         times, states = samples
     if not np.all(np.isfinite(states)):
         raise InputError(f"model {model.name}, start: a state's formula is not finite on the interval")
-    return BoundaryGuess(model, times, states, p, tuple(free))
+    return BoundaryGuess(model, times, states, p, tuple(free), samples is not None)
 
 
 def solved(problem: BoundaryProblem, guess: Profile) -> Array:

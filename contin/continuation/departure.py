@@ -142,7 +142,7 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
     if seed.born:  # the parent is not a label of the branch, should it come back to it
         type_ = {"orbit": "BPC", "locus": "ZH"}.get(problem.kind, "BP")
         known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
-    notes = tuple(item.text for item in seen if isinstance(item, Note))
+    notes = (*seed.remarks, *(item.text for item in seen if isinstance(item, Note)))
     return Departure(seed, bounds, settings, scale, start, here, known, notes)
 
 

@@ -33,6 +33,7 @@ class Seed:
     reach: float | None = None  # a scaled distance from z at which the branch is told from its neighbours
     beside: Mapping[int, Array] = field(default_factory=dict)  # by arm: a point on it, where no order of terms tells it
     measured: tuple[int, NDArray[np.complex128]] | None = None  # unstable count and eigenvalues at z, where known
+    remarks: tuple[str, ...] = ()  # about the start: notes of the branch
 
     def __repr__(self) -> str:
         born = f" born at {self.parent.branch}.{self.parent.label}" if self.parent is not None else ""

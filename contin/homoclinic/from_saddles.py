@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -24,6 +24,7 @@ from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import indices
 from contin.simulate.natural import natural_metric
+from contin.systems.away_from_samples import away, on_even_times
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -78,7 +79,22 @@ class ConnectingOrbit:
             )  # fmt: skip
             ends = self.saddles[:1] if loop else np.array([self.saddles[0], self.saddles[1] + winding])
             guesses.append((curve, arc, ends))
-        return _first_solved(guesses, q)
+        return self._told(*_first_solved(guesses, q))
+
+    def _told(self, seed: Seed, guess: Profile) -> Seed:
+        """The seed, with a note where samples have led to an orbit that is not near them."""
+        if self.path is None:
+            return seed
+        whole, half = seed.problem.profile(seed.z), seed.problem.curve.profile(seed.z)  # type: ignore[attr-defined]
+        times, states, compared = guess.times * guess.period, guess.u, [whole]
+        if self.reversor is not None:  # the guess is half of the first pulse, and samples may be of one half
+            times, states, compared = self.path.times, self.path.states, [whole, half]
+        notes = []
+        for one in compared:
+            span = max(one.period, float(times[-1] - times[0]))
+            a, b = on_even_times(times, states, span), on_even_times(one.times * one.period, one.u, span)
+            notes.append(away(self.system.state_names, a, b, "open"))
+        return replace(seed, remarks=(notes[0],)) if all(notes) else seed
 
     def _symmetric(self, first: int, second: int, reversor: Reversor) -> Seed:
         """Half of an orbit that the reversor maps onto itself."""
@@ -96,7 +112,7 @@ class ConnectingOrbit:
             arcs = [half_of(self.path, self.between, reversor, parameter)]
         else:
             arcs = [trajectory(self.between, one, parameter) for one in crossings(self.between, reversor)]
-        return _first_solved([(curve, arc, self.saddles[:1]) for arc in arcs], q)
+        return self._told(*_first_solved([(curve, arc, self.saddles[:1]) for arc in arcs], q))
 
     def _check_symmetric(self, leaving: int, fixed: int, persists: bool) -> None:
         n, free = self.system.n, leaving + fixed - self.system.n
@@ -154,11 +170,12 @@ class ConnectingOrbit:
         return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])
 
 
-def _first_solved(guesses: list[tuple[ConnectionCurve, Profile, Array]], q: float) -> Seed:
+def _first_solved(guesses: list[tuple[ConnectionCurve, Profile, Array]], q: float) -> tuple[Seed, Profile]:
+    """The first orbit that is found, and its guess."""
     failures: list[str] = []
     for curve, arc, ends in guesses:
         try:
-            return _solved(curve, arc, ends, q)
+            return _solved(curve, arc, ends, q), arc
         except ContinError as error:
             failures.append(str(error))
     tried = f" (the best of {len(failures)} trajectories that were tried)" if len(failures) > 1 else ""

@@ -15,8 +15,10 @@ from contin.problems.large_orbits.from_starts import FromStarts
 from contin.problems.large_orbits.large_orbit import INTERVALS, LargeOrbitProblem
 from contin.problems.large_orbits.layout import OnPoints
 from contin.problems.large_orbits.radau import STAGES, Trajectory
+from contin.systems.away_from_samples import away, on_even_times
 from contin.systems.functions.function_system import FunctionSystem
 
+COMPARED: Final = 200  # states of many, by which an orbit is compared with its samples
 COLLAPSED: Final = 1e-6  # amplitude, as a part of that of the samples, of an orbit that is an equilibrium
 
 
@@ -26,6 +28,7 @@ class LargeOrbit(Told):
 
     problem: LargeOrbitProblem
     z: Array
+    remarks: tuple[str, ...] = ()  # about where it comes from: notes of branches that start here
 
     @property
     def system(self) -> FunctionSystem:
@@ -38,7 +41,7 @@ class LargeOrbit(Told):
     def seed(self, parameter: str) -> Seed:
         """Where a continuation with this parameter free starts."""
         problem = self.problem.with_active(parameter, self.z)
-        return Seed(problem, np.append(self.z[:-1], problem.base[problem.active]))
+        return Seed(problem, np.append(self.z[:-1], problem.base[problem.active]), remarks=self.remarks)
 
     def __str__(self) -> str:
         return f"periodic orbit of period {self.period:.10g}, {self.problem.n} states"
@@ -69,7 +72,16 @@ def large_orbit_from_samples(
             raise InputError("orbits of a function with a mass matrix are computed by collocation: leave `method` out")
         problem, moved, _ = problem.relaid(FromStarts(intervals or 1))
         found = _solved(problem, moved(found), u)
-    return LargeOrbit(problem, found)
+    return LargeOrbit(problem, found, _apart(problem, found, t, u))
+
+
+def _apart(problem: LargeOrbitProblem, z: Array, t: Array, u: Array) -> tuple[str, ...]:
+    """A note where the orbit is not near the samples, in some of its states."""
+    path, names = problem.profile(z), problem.system.state_names
+    some = np.unique(np.linspace(0, u.shape[1] - 1, COMPARED).astype(int))
+    samples, solution = on_even_times(t, u[:, some]), on_even_times(path.times, path.u[:, some])
+    note = away([names[k] for k in some] if names else (), samples, solution, "closed")
+    return (f"{note}. Their period is {float(t[-1] - t[0]):.6g}, its own {path.period:.6g}",) if note else ()
 
 
 def _solved(problem: LargeOrbitProblem, z: Array, samples: Array) -> Array:

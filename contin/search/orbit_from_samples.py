@@ -14,6 +14,7 @@ from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
+from contin.systems.away_from_samples import PLACES, away, on_even_times
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -57,7 +58,16 @@ def orbit_from_samples(
     if problem.autonomous and problem.is_constant(solved, 1e3 * scale):
         raise NoSolutionError("the samples lead to an equilibrium, not to an orbit: its amplitude there is too small")
     orbit = problem.profile(_on_own_mesh(problem, solved, float(p[0])))
-    return PeriodicOrbit(system, orbit, p.copy(), winding, multiple)
+    return PeriodicOrbit(system, orbit, p.copy(), winding, multiple, _apart(system, (t, u), orbit, winding))
+
+
+def _apart(system: CompiledSystem, samples: tuple[Array, Array], orbit: Profile, winding: Array) -> tuple[str, ...]:
+    """A note where the orbit is not near the samples (t, u)."""
+    t, u = samples
+    places = np.linspace(0.0, 1.0, PLACES)
+    turned = places[:, None] * winding
+    note = away(system.state_names, on_even_times(t, u) - turned, orbit.at(places) - turned, "closed")
+    return (f"{note}. Their period is {float(t[-1] - t[0]):.6g}, its own {orbit.period:.6g}",) if note else ()
 
 
 def _on_own_mesh(problem: OrbitProblem, z: Array, parameter: float) -> Array:

@@ -26,6 +26,7 @@ class PeriodicOrbit(Told):
     p: Array
     winding: Array
     multiple: int = 1
+    remarks: tuple[str, ...] = ()  # about where it comes from: notes of branches that start here
 
     @property
     def period(self) -> float:
@@ -39,7 +40,7 @@ class PeriodicOrbit(Told):
     def seed(self, parameter: str) -> Seed:
         problem = self.problem(parameter)
         z = replace(self.profile, parameter=float(self.p[problem.active])).vector()
-        return Seed(problem, z, symmetries=symmetry_names(problem))
+        return Seed(problem, z, symmetries=symmetry_names(problem), remarks=self.remarks)
 
     def __str__(self) -> str:
         low, high = self.profile.u.min(axis=0), self.profile.u.max(axis=0)
