@@ -26,8 +26,8 @@ from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.homoclinic import flips
 from contin.homoclinic.subspaces import leading
+from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.ends.saddle_node import centrality
-from contin.problems.orbits.ends.saddles import extent_of
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import tests_of_connections
 

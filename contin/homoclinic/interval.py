@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.homoclinic.tail import Tail, tail_of
-from contin.problems.orbits.ends.saddles import extent_of
+from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.mesh.layout import Profile, node_times
 
 if TYPE_CHECKING:

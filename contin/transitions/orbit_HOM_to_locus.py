@@ -16,8 +16,9 @@ from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.interval import arc_of
 from contin.homoclinic.solved_connection import solved_connection
 from contin.problems.orbits.collocated_orbits import OrbitProblem
+from contin.problems.orbits.ends.distances import extent_of, turns
 from contin.problems.orbits.ends.invariant_circle import bottlenecks
-from contin.problems.orbits.ends.saddles import extent_of, saddles_and_elsewhere, turns
+from contin.problems.orbits.ends.saddles import saddles_and_elsewhere
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born

@@ -17,8 +17,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.machine import elementary
+from contin.problems.orbits.ends.distances import distances, extent_of
 from contin.problems.orbits.ends.ends import LINGERING
-from contin.problems.orbits.ends.saddles import Saddle, distances, extent_of, rounded, saddles_near
+from contin.problems.orbits.ends.saddles import Saddle, rounded, saddles_near
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields

@@ -8,8 +8,10 @@ import pytest
 import contin
 from contin.model.model import Model
 from contin.problems.orbits.ends.agreement import error_of_limit
+from contin.problems.orbits.ends.distances import distances, extent_of
 from contin.problems.orbits.ends.extrapolated import Limit
-from contin.problems.orbits.ends.saddles import distances, extent_of, saddles_and_elsewhere, saddles_near, time_away
+from contin.problems.orbits.ends.saddles import saddles_and_elsewhere, saddles_near
+from contin.problems.orbits.ends.stays import stays, time_away
 from contin.problems.orbits.march.slow_passage import slowest_points
 
 
@@ -57,6 +59,21 @@ def test_a_period_of_two_turns_visits_twice(beside_a_loop):
     twice = replace(profile, u=np.vstack([profile.u, profile.u[1:]]), h=h, period=2.0 * profile.period)
     (saddle,) = saddles_near(problem, twice, sizes)
     assert saddle.visits == 2
+
+
+def test_visits_that_do_not_become_longer_are_none_of_an_approach(beside_a_loop):
+    """An orbit homoclinic to a saddle may pass by it once more on its way, as that of Terman's bursting neuron does."""
+    problem, profile, sizes = beside_a_loop
+    gaps = from_saddle(problem, profile, sizes)
+    h = np.concatenate([profile.h, profile.h]) / 2.0
+    twice = replace(profile, u=np.vstack([profile.u, profile.u[1:]]), h=h, period=2.0 * profile.period)
+    near, turn = np.tile(gaps < 0.05, 2), np.repeat([1.0, 2.0], len(gaps))
+    for longer, count in ((near & (turn == 1.0), 1), (near & (turn == 2.0), 1), (near, 2)):
+        later = passed_in(twice, np.where(longer, 1.001, 1.0))
+        (saddle,), elsewhere = saddles_and_elsewhere(problem, later, sizes, twice)
+        assert saddle.visits == count
+        assert not elsewhere
+        assert sum(time for time, _ in stays(problem, saddle, later, sizes)) < later.period
 
 
 def test_where_else_it_is_slow_is_told_and_the_time_away_tells_whether_that_grows(beside_a_loop):

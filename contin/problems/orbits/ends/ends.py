@@ -14,9 +14,10 @@ from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.scaled import ScaledSystem
+from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.ends.invariant_circle import invariant_circle
 from contin.problems.orbits.ends.multiply_traversed import joined
-from contin.problems.orbits.ends.saddles import equilibria_of, extent_of
+from contin.problems.orbits.ends.saddles import equilibria_of
 from contin.problems.orbits.ends.unbounded_period import diverged
 from contin.problems.orbits.ends.vertical import unbounded
 from contin.problems.orbits.linearised.multipliers import of_rest

@@ -21,8 +21,9 @@ from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.scaled import ScaledSystem
+from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.ends.saddle_node import critical_direction, quadratic
-from contin.problems.orbits.ends.saddles import equilibria_of, extent_of, rounded
+from contin.problems.orbits.ends.saddles import equilibria_of, rounded
 from contin.problems.orbits.march.slow_passage import dwelling, slowest_points
 from contin.problems.orbits.mesh.layout import Profile
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,13 +10,13 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
-from contin.problems.orbits.march.slow_passage import of_the_frame, slow_intervals, slowest_points, turning
+from contin.problems.orbits.ends.distances import NEAR_SADDLE, apart, distance, extent_of
+from contin.problems.orbits.ends.stays import visits
+from contin.problems.orbits.march.slow_passage import of_the_frame, slowest_points
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
-
-NEAR_SADDLE = 0.1  # of the orbit's extent: how close the slowest point must be to its equilibrium
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +73,13 @@ def saddles_near(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> lis
 
 
 def saddles_and_elsewhere(
-    problem: FamilyOfOrbits, profile: Profile, sizes: Array
+    problem: FamilyOfOrbits, profile: Profile, sizes: Array, earlier: Profile | None = None
 ) -> tuple[list[Saddle], bool]:  # fmt: skip
-    """The same saddles, and whether the orbit is slow elsewhere; no saddles where one of them is not hyperbolic."""
+    """The same saddles, and whether the orbit is slow elsewhere; no saddles where one of them is not hyperbolic.
+
+    earlier : an orbit of the family with a shorter period: only visits that have become longer since are counted. An
+    orbit homoclinic to a saddle may pass close by it on its way.
+    """
     extent, elsewhere = extent_of(profile, sizes), False
     found: list[Saddle] = []
     for u in slowest_points(problem, profile, sizes):
@@ -91,29 +94,7 @@ def saddles_and_elsewhere(
             return [], elsewhere
         if all(float(np.max(np.abs(apart(problem, known.u, near.u)) / sizes)) >= 1e-6 for known in found):
             found.append(near)
-    return [replace(s, visits=_visits(problem, s, profile, sizes)) for s in found], elsewhere
-
-
-def time_away(problem: FamilyOfOrbits, saddles: Sequence[Saddle], profile: Profile, sizes: Array) -> float:
-    """The time of a period that the orbit spends away from saddles."""
-    reach, spans = NEAR_SADDLE * extent_of(profile, sizes), np.diff(profile.times) * profile.period
-    gaps = [distances(problem, s.u, profile.u[:-1], sizes) for s in saddles]
-    return float(spans[np.min(gaps, axis=0) > reach].sum())
-
-
-def _visits(problem: FamilyOfOrbits, saddle: Saddle, profile: Profile, sizes: Array) -> int:
-    """How often the orbit comes near the saddle and is slow there before it goes away again.
-
-    It may be slow more than once on one visit: along a slow manifold that leads away, for example.
-    """
-    near = distances(problem, saddle.u, profile.u[:-1], sizes) <= NEAR_SADDLE * extent_of(profile, sizes)
-    slow = slow_intervals(problem, profile, sizes)
-    if near.all():
-        return 1
-    first = int(np.argmin(near))  # begin away from it
-    near, slow = np.roll(near, -first), np.roll(slow, -first)
-    visit = np.cumsum(near[1:] & ~near[:-1])  # the number of the visit that a node belongs to
-    return max(1, len(set(visit[near[1:] & slow[1:]].tolist())))
+    return [replace(s, visits=visits(problem, s, profile, sizes, earlier)) for s in found], elsewhere
 
 
 def equilibria_of(problem: FamilyOfOrbits) -> EquilibriumProblem:
@@ -133,39 +114,6 @@ def equilibrium_near(problem: FamilyOfOrbits, u: Array, parameter: float, sizes:
     return Saddle(z[:-1], values, 1, of_the_frame(problem, z[:-1], jacobian, values))
 
 
-def turns(problem: FamilyOfOrbits, difference: Array) -> Array:
-    """The whole turns of angles in a difference of states (rows of them); 0 for other states."""
-    periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
-    count = np.round(difference / np.where(periods > 0.0, periods, 1.0))
-    return np.asarray(np.where(periods > 0.0, count * periods, 0.0))
-
-
-def apart(problem: FamilyOfOrbits, u: Array, v: Array) -> Array:
-    return np.asarray(u - v - turns(problem, u - v))
-
-
-def distance(problem: FamilyOfOrbits, u: Array, v: Array, sizes: Array) -> float:
-    """Largest difference of two states relative to their sizes, in a turning frame: but for a small turn."""
-    return float(distances(problem, u, v[None], sizes)[0])
-
-
-def distances(problem: FamilyOfOrbits, u: Array, states: Array, sizes: Array) -> Array:
-    """The same of a state (n,) and each of K states (K, n)."""
-    gaps = apart(problem, u, states) / sizes
-    along = turning(problem, states)
-    if along is not None:
-        xi = along / sizes
-        squares = np.sum(xi * xi, axis=1)
-        parts = np.sum(gaps * xi, axis=1) / np.where(squares > 0.0, squares, 1.0)
-        gaps = gaps - parts[:, None] * xi
-    return np.asarray(np.max(np.abs(gaps), axis=1))
-
-
 def rounded(state: Array, sizes: Array) -> Array:
     """The state, with zeros for what is rounding beside the states' sizes."""
     return np.asarray(np.where(np.abs(state) > 1e-13 * np.maximum(sizes, np.abs(state)), state, 0.0))
-
-
-def extent_of(profile: Profile, sizes: Array) -> float:
-    """Of an orbit, relative to the states' sizes."""
-    return float(np.max(np.ptp(profile.u, axis=0) / sizes))

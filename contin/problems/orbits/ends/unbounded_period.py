@@ -15,8 +15,10 @@ from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.ends.agreement import AGREED, error_of_limit
+from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.ends.extrapolated import extrapolated, with_next
-from contin.problems.orbits.ends.saddles import Saddle, extent_of, rounded, saddles_and_elsewhere, time_away
+from contin.problems.orbits.ends.saddles import Saddle, rounded, saddles_and_elsewhere
+from contin.problems.orbits.ends.stays import time_away
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.peaks import extrema
 from contin.records import Fields
@@ -58,7 +60,7 @@ def diverged(
     gained = profile.period - earlier.period
     if not gained > 0.0:
         return None
-    saddles, elsewhere = saddles_and_elsewhere(problem, profile, sizes)
+    saddles, elsewhere = saddles_and_elsewhere(problem, profile, sizes, earlier)
     if not saddles:
         return None
     if elsewhere:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.sample import Frame, Sample
-from contin.problems.orbits.ends.saddles import extent_of
+from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.march.in_kernel import corrected
 from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.problems.orbits.mesh.move import Move
