@@ -19,6 +19,7 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.machine import elementary
+from contin.simulate.between_samples import resolved
 from contin.simulate.extrema import extremes, extremes_between, trajectory_around
 from contin.simulate.flight import fly
 from contin.simulate.natural import Metric, natural_metric
@@ -115,11 +116,9 @@ def settle(system: CompiledSystem, u: Array, p: Array, criterion: Criterion, met
         settled = _has_settled(so_far.values, criterion.tolerance)
         if settled or done >= most:
             last = so_far.last(done // 4)
-            around = None
-            if system.kind != "map":
-                around = trajectory_around(system, p, last.t, last.states, criterion.rtol, errors)
+            seen = None if system.kind == "map" else _seen_between(system, p, last, criterion.rtol, errors)
             how, words = ("settled", "") if settled else ("unsettled", f"not settled at t = {step * done:.6g}")
-            return Settled(_summary(last, around), u, step * done, how, words)
+            return Settled(_summary(last, seen), u, step * done, how, words)
         target = min(int(np.ceil(GROWTH * done)), most)
 
 
@@ -200,17 +199,28 @@ def _has_settled(values: Array, tolerance: float) -> bool:
     return bool(ratio < DECAY and second <= tolerance and second * ratio / (1.0 - ratio) <= tolerance)
 
 
-def _summary(samples: _Samples, around: Callable[[int], Array] | None = None) -> Array:
+def _seen_between(
+    system: CompiledSystem, p: Array, last: _Samples, rtol: float, errors: Array
+) -> tuple[Array, Array]:
+    """Extremes of a flow's observables, (k,) each, between the samples too."""
+    t, states = resolved(system, p, last.t, last.states, rtol, errors)
+    around = trajectory_around(system, p, t, states, rtol, errors)
+    low, high = extremes_between(observed(system, states, p, t), around)
+    smallest, largest = extremes(last.values)
+    return np.minimum(low, smallest), np.maximum(high, largest)
+
+
+def _summary(samples: _Samples, seen: tuple[Array, Array] | None = None) -> Array:
     """(3, k): smallest value, mean with the weight sin^4, largest value; NaN without values.
 
-    around : of a flow that came to its end, what lies between the samples (`contin.simulate.extrema`).
+    seen : of a flow that came to its end, the extremes between the samples too.
     """
     values = samples.values
     if not len(values):
         return np.full((3, values.shape[1]), np.nan)
     weights = elementary.pow(elementary.sin(np.pi * (np.arange(len(values)) + 0.5) / len(values)), 4.0)
     mean = weights @ values / weights.sum()
-    smallest, largest = extremes(values) if around is None else extremes_between(values, around)
+    smallest, largest = extremes(values) if seen is None else seen
     return np.array([smallest, mean, largest])
 
 

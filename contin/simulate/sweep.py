@@ -100,7 +100,10 @@ def sweep(
 
     Raises InputError. A run that escapes or slides is recorded, and the next starts from the sweep's start.
     """
-    low, high = (float(v) for v in range)
+    ends = [float(v) for v in range]
+    if len(ends) != 2:
+        raise InputError(f"range: a lower and an upper end; got {len(ends)} values (`steps` says how many are between)")
+    low, high = ends
     model = with_named_totals(model, [parameter, *(parameters or ())])
     place_of_parameter(parameter, model.parameter_names)
     if not (np.isfinite(low) and np.isfinite(high) and low < high):

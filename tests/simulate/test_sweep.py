@@ -49,3 +49,8 @@ def test_bad_ranges_and_names_are_refused():
         contin.sweep(CUSP, "p", (1.0, 0.0))
     with pytest.raises(InputError, match="parameter"):
         contin.sweep(CUSP, "q", (0.0, 1.0))
+
+
+def test_a_list_of_values_in_place_of_a_range_is_told_what_is_asked():
+    with pytest.raises(InputError, match="a lower and an upper end; got 3 values"):
+        contin.sweep(CUSP, "p", (0.0, 0.5, 1.0))

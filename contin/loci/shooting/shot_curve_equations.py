@@ -13,8 +13,8 @@ from contin.loci.shooting.curve import CurveByShooting, Equations
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.problems.shooting.extremes import measures
 from contin.problems.shooting.linear import BorderedShooting
-from contin.problems.shooting.sampling import measures
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""An orbit of a shooting problem at many times: profiles, extremes of its columns, and why it may not exist."""
+"""An orbit of a shooting problem at many times: profiles, meshes to integrate on, and why it may not exist."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.sizes import state_sizes
 from contin.problems.shooting.layout import Nodes
@@ -19,15 +18,17 @@ if TYPE_CHECKING:
     from contin.problems.shooting.shot_family import ShotFamily
 
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
-SAMPLES = 400  # times an extreme is looked for at
+SAMPLES = 400  # times an extreme is looked for at; where more steps are taken, at those too
 NARROW = 1e-12  # (scaled time) between two times that are one
-FINER = 33  # ... and times around it
 RTOL, LOOSER = 1e-10, 10.0  # relative tolerance, at most this many times that of the orbits themselves
 BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
 
 
-def flights(problem: ShotFamily, z: Array, times: Array) -> list[Flight]:
-    """The segments, with the states at scaled `times` in [0, 1] (each in the segment it falls into)."""
+def flights(problem: ShotFamily, z: Array, times: Array, steps: list[float] | None = None) -> list[Flight]:
+    """The segments, with the states at scaled `times` in [0, 1] (each in the segment it falls into).
+
+    steps : gets the time (unscaled) at the end of every step.
+    """
     nodes = Nodes.of(z, problem.n)
     p, length = problem.full_parameters(z), nodes.period / nodes.count
     found, owners = [], segments_of(times, nodes.count)
@@ -38,7 +39,7 @@ def flights(problem: ShotFamily, z: Array, times: Array) -> list[Flight]:
         found.append(
             fly(
                 problem.system, u, p, (i + 1) * length - i * length, start=i * length, times=wanted, rtol=rtol,
-                atol=atol, budget=problem.budget, pieces=problem.held.get(i),
+                atol=atol, budget=problem.budget, pieces=problem.held.get(i), steps=steps,
             )
         )  # fmt: skip
     return found
@@ -71,11 +72,11 @@ def sampled(problem: ShotFamily, z: Array) -> Profile:
 
 def measured(problem: ShotFamily, z: Array) -> Profile:
     """The orbit on a mesh whose ends of intervals are all crossings of surfaces: integrals over it are smooth."""
-    empty = _mesh(problem, z, crossings(problem, z))
+    empty = mesh_of(problem, z, turning_places(problem, z))
     return Profile(POINTS, states(problem, z, empty.times), empty.period, empty.h, empty.parameter)
 
 
-def _mesh(problem: ShotFamily, z: Array, crossed: Array) -> Profile:
+def mesh_of(problem: ShotFamily, z: Array, crossed: Array) -> Profile:
     """Its mesh, without values."""
     nodes = Nodes.of(z, problem.n)
     ends = np.unique(np.concatenate([np.arange(INTERVALS + 1) / INTERVALS, crossed]))
@@ -85,41 +86,16 @@ def _mesh(problem: ShotFamily, z: Array, crossed: Array) -> Profile:
     return Profile(POINTS, np.empty((len(h) * POINTS + 1, problem.n)), nodes.period, h, nodes.parameter)
 
 
-def measures(problem: ShotFamily, rows: Array) -> tuple[Array, Array, Array]:
-    """Smallest and largest value of what `names_of` names on the orbits of rows z, (R, k) each, and norms (R,).
-
-    The norm is the root mean square of all states, by quadrature between the crossings of switching surfaces.
-    Extremes are looked for among equal times and those crossings, where a solution may have a corner; then among times
-    between the neighbours of each extreme, and there by a parabola, except across a crossing.
-    """
-    found = [_measures(problem, z) for z in rows]
-    width = len(names_of(problem.system))
-    both = np.array([one[:2] for one in found]).reshape(len(rows), 2, width)
-    return both[:, 0], both[:, 1], np.array([one[2] for one in found])
-
-
-def _measures(problem: ShotFamily, z: Array) -> tuple[Array, Array, float]:
-    crossed = crossings(problem, z)
-    mesh = _mesh(problem, z, crossed)
-    times = np.union1d(np.union1d(np.arange(SAMPLES) / SAMPLES, crossed), mesh.times)
-    values = _functions(problem, z, times)
-    if not np.all(np.isfinite(values)):
-        nothing = np.full(len(names_of(problem.system)), np.nan)
-        return nothing, nothing, np.nan
-    u = values[np.searchsorted(times, mesh.times), : problem.n]
-    norm = float(np.sqrt(mesh.weights @ np.einsum("kn,kn->k", u, u)))
-    places = times[np.concatenate([np.argmin(values, axis=0), np.argmax(values, axis=0)])]
-    around = np.linspace(-1.0, 1.0, FINER) / SAMPLES
-    finer = (places[:, None] + around) % 1.0
-    wanted, back = np.unique(finer, return_inverse=True)
-    fine = _functions(problem, z, wanted)[back.reshape(finer.shape)]  # (2 k, FINER, k)
-    k = values.shape[1]
-    own = fine[np.arange(2 * k), :, np.tile(np.arange(k), 2)]
-    own[:k] *= -1.0
-    smooth = _smooth_at(finer, np.argmax(own, axis=1), crossed)
-    tops = np.maximum(_top(own, smooth), np.concatenate([-values.min(axis=0), values.max(axis=0)]))
-    skip = 0 if problem.system.state_names else problem.n
-    return -tops[skip:k], tops[k + skip :], norm
+def turning_places(problem: ShotFamily, z: Array) -> Array:
+    """The scaled times of crossings, and those of the steps of an orbit that takes many: it spikes between samples."""
+    taken = flights(problem, z, np.empty(0))
+    found = [f.crossings[:, 0] for f in taken] if problem.system.n_switches else []
+    if sum(f.steps for f in taken) > SAMPLES:
+        steps: list[float] = []
+        flights(problem, z, np.empty(0), steps)
+        found.append(np.array(steps))
+    places = np.concatenate([*found, np.empty(0)]) / Nodes.of(z, problem.n).period
+    return np.asarray(np.unique(places[(places >= 0.0) & (places < 1.0)]))
 
 
 def crossings(problem: ShotFamily, z: Array) -> Array:
@@ -129,38 +105,6 @@ def crossings(problem: ShotFamily, z: Array) -> Array:
     period = Nodes.of(z, problem.n).period
     found = np.concatenate([f.crossings[:, 0] for f in flights(problem, z, np.empty(0))]) / period
     return np.asarray(np.unique(found[(found >= 0.0) & (found < 1.0)]))
-
-
-def _smooth_at(times: Array, best: NDArray[np.int64], crossed: Array) -> NDArray[np.bool_]:
-    """True where no surface is crossed between the neighbours of the best of each row's times."""
-    rows = np.arange(len(times))
-    middle = np.clip(best, 1, times.shape[1] - 2)
-    low, high = times[rows, middle - 1], times[rows, middle + 1]
-    if not len(crossed):
-        return np.ones(len(times), dtype=bool)
-    between = (crossed[None] >= low[:, None]) & (crossed[None] <= high[:, None])
-    return np.asarray(~between.any(axis=1) & (low < high))
-
-
-def _functions(problem: ShotFamily, z: Array, times: Array) -> Array:
-    """States and observables at scaled times, (T, k); where nothing has a name, states and their norm."""
-    system, u = problem.system, states(problem, z, times)
-    if not system.observable_names:
-        norm = np.sqrt(np.einsum("tn,tn->t", u, u) / problem.n)
-        return u if system.state_names else np.column_stack([u, norm])
-    p = problem.full_parameters(z)
-    return np.hstack([u, np.asarray(system.observables(np.ascontiguousarray(u), p)).reshape(len(u), -1)])
-
-
-def _top(values: Array, smooth: NDArray[np.bool_]) -> Array:
-    """Largest value of every row of equally spaced samples, between them by a parabola where it is smooth there."""
-    best = np.clip(np.argmax(values, axis=1), 1, values.shape[1] - 2)
-    rows = np.arange(len(values))
-    a, b, c = (values[rows, best + d] for d in (-1, 0, 1))
-    bend = a - 2.0 * b + c
-    shift = np.clip(0.5 * (a - c) / np.where(bend < 0.0, bend, -1.0), -1.0, 1.0)
-    largest = np.maximum(np.maximum(a, b), c)
-    return np.asarray(np.where(smooth & (bend < 0.0) & (np.abs(shift) < 1.0), b - 0.25 * (a - c) * shift, largest))
 
 
 def why_not(problem: ShotFamily, z: Array) -> str:

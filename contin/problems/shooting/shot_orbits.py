@@ -25,11 +25,12 @@ from contin.problems.shooting.corners import at_corner, cross_corner, verify_cor
 from contin.problems.shooting.eigenfunctions import eigenfunctions
 from contin.problems.shooting.equilibrium_on_surface import has_shrunk
 from contin.problems.shooting.events import verify, verify_compound
+from contin.problems.shooting.extremes import measures
 from contin.problems.shooting.halving import drives_halves_apart
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.renewal import cut_where_oblique, renew
-from contin.problems.shooting.sampling import measured, measures, why_not
+from contin.problems.shooting.sampling import measured, why_not
 from contin.problems.shooting.shot_equations import ShotEquations
 from contin.problems.shooting.signature import signature
 from contin.problems.shooting.sliding_end import comes_to_slide

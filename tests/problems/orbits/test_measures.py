@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import contin
 from contin.errors import InputError
@@ -96,3 +98,50 @@ def test_names_of_the_model_win_and_mistakes_are_told(circle, birth):
             contin.continuation(birth.switch(), "mu", (-1, 1), columns=[wrong])
     plain = contin.continuation(contin.equilibrium(circle), "mu", (-1, 1), columns=["mean(x)"])
     assert any("mean(x)" in note for note in plain.notes)
+
+
+def test_spikes_of_orbits_found_by_shooting_have_their_height():
+    """x'' = k s x' - x with s = 1 where |x| < 1, else -1, at k = 30: spikes last for 1 % of a period.
+
+    By halves: from x = 1 outwards at speed v the solution of the outer piece returns to x = 1; the inner one leads to
+    x = -1, where the speed is -v again. The largest speed is v, where the damping begins.
+    """
+    model = contin.Model(
+        "relaxing", states={"x": 2, "y": 0}, parameters={"k": 30},
+        equations={"x": "y", "y": "k*(1 if abs(x) < 1 else -1)*y - x"},
+    )  # fmt: skip
+
+    def passed(k: float, state: list[float], at: float) -> list[float]:
+        def level(t, u):
+            return u[0] - at
+
+        level.terminal, level.direction = True, -1.0
+        found = solve_ivp(
+            lambda t, u: [u[1], k * u[1] - u[0]], (0.0, 200.0), state, method="DOP853", rtol=1e-12, atol=1e-13,
+            events=level,
+        )  # fmt: skip
+        return found.y_events[0][0].tolist()
+
+    def closes(v: float) -> float:
+        returned = passed(-30.0, [1.0, v], 1.0)
+        return -passed(30.0, returned, -1.0)[1] - v
+
+    speed = brentq(closes, 50.0, 70.0, xtol=1e-12)
+    branch = contin.continuation(contin.periodic_orbit(model), "k", (30.0, 30.01))
+    assert branch.columns["y.max"][0] == pytest.approx(speed, rel=1e-8)
+    assert branch.columns["x.max"][0] == pytest.approx(-branch.columns["x.min"][0], rel=1e-9)
+
+
+def test_spikes_between_the_samples_of_a_smooth_orbit():
+    """Van der Pol's equation at mu = 30: y spikes for 1 % of the period; both methods agree on their height."""
+    model = contin.Model(
+        "van-der-pol", states={"x": 2, "y": 0}, parameters={"mu": 30}, equations={"x": "y", "y": "mu*(1 - x^2)*y - x"}
+    )
+    orbit = contin.periodic_orbit(model)
+    one, other = (
+        contin.continuation(orbit, "mu", (30.0, 30.01), settings={"method": method}).columns
+        for method in ("collocation", "shooting")
+    )
+    assert other["y.max"][0] == pytest.approx(one["y.max"][0], rel=1e-6)
+    assert other["x.max"][0] == pytest.approx(one["x.max"][0], rel=1e-7)
+    assert other["norm"][0] == pytest.approx(one["norm"][0], rel=1e-5)
