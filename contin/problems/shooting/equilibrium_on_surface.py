@@ -1,7 +1,9 @@
 """The equilibrium on a switching surface on which a family of piecewise-smooth orbits closes.
 
 It has no linear part of its own, so no Hopf point is solved for: the parameter, the period and the equilibrium are
-extrapolated to amplitude zero from orbits of small amplitude e, with errors of the order e^6 in the parameter.
+extrapolated to amplitude zero from orbits of small amplitude e. Where the equations have a linear part all the same,
+or a declared symmetry, they are series in e^2, and the error is of the order e^6 in the parameter; where the linear
+parts of both sides differ (an equilibrium on a corner), the parameter is proportional to e, and the series is one in e.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from contin.continuation.problem import Renewal
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
+from contin.problems.shooting.extremes import measures
 from contin.problems.shooting.layout import Nodes
 
 if TYPE_CHECKING:
@@ -45,11 +48,13 @@ def at_rest(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame
             return None
         rows.append(found.z)
     profiles = [problem.profile(z) for z in rows]
-    squares = np.array([elementary.square(_extent(problem, z, frame.scale)) for z in rows])
-    if not np.all(np.diff(squares) > 0.0):
+    low, high, _ = measures(problem, np.array(rows))
+    extents = ((high - low)[:, : problem.n] / problem.sizes(origin.z, frame.scale)).max(axis=1)
+    if not np.all(np.diff(extents) > 0.0):
         return None
     values = np.array([[p.parameter, p.period, *(p.weights @ p.u)] for p in profiles])
-    limits = [np.polynomial.polynomial.polyfit(squares[:k], values[:k], k - 1)[0] for k in (3, 4)]
+    series = (_limits(at, values) for at in (elementary.square(extents), extents))
+    limits = min(series, key=lambda found: abs(float(found[1][0] - found[0][0])))
     parameter, period, rest = float(limits[1][0]), float(limits[1][1]), limits[1][2:]
     p = problem.full_parameters(np.append(origin.z[:-1], parameter))
     speed = np.abs(problem.system.value(rest, p)).max()
@@ -73,6 +78,11 @@ def at_rest(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame
     )
 
 
+def _limits(at: Array, values: Array) -> list[Array]:
+    """Values (4, k) at 0 by polynomials through the first three and through all of them."""
+    return [np.polynomial.polynomial.polyfit(at[:k], values[:k], k - 1)[0] for k in (3, 4)]
+
+
 def _extent(problem: ShotEquations, z: Array, scale: Array) -> float:
     return float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, scale)))
 
@@ -84,5 +94,6 @@ def _beside(problem: ShotEquations, origin: Sample, frame: Frame, s: float) -> S
 
 
 def _extent_ahead(problem: ShotEquations, origin: Sample, frame: Frame, s: float) -> float:
+    """Of the orbit at s; minus infinity where there is none: a family that ends at a corner has nothing beyond."""
     found = _beside(problem, origin, frame, s)
-    return np.inf if found is None else _extent(problem, found.z, frame.scale)
+    return -np.inf if found is None else _extent(problem, found.z, frame.scale)

@@ -16,12 +16,17 @@ TOGETHER = 1e-6  # of the period: crossings this close have no order
 
 
 def signature(problem: ShotFamily, z: Array) -> tuple[int, ...] | None:
-    """The surfaces crossed in a period, in order (crossings at one time sorted); None where a trajectory fails."""
+    """The surfaces crossed in a period, in order (crossings at one time sorted); None where a trajectory fails.
+
+    None also where z has no period: beyond a family that shrinks to a point, Newton's method arrives at T <= 0.
+    """
+    period = float(z[-problem.n - 3])
+    if not period > 0.0:
+        return None
     found = flights(problem, z, np.empty(0))
     if any(f.outcome != "done" for f in found):
         return None
     crossings = np.vstack([f.crossings for f in found])
-    period = float(z[-problem.n - 3])
     surfaces: list[int] = []
     group: list[int] = []
     before = -np.inf
