@@ -22,6 +22,7 @@ from contin.continuation.problem import Problem
 UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
 STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
 VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
+ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the rounding of one that is zero
 APART: Final = 0.5  # of a state's change: two solutions that differ by more are two
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs a few times `PARTS` solutions
 PARTS: Final = 8  # of a step, on the way back at fixed parameters
@@ -96,6 +97,7 @@ def _vanishing(
     length = np.linalg.norm(moved, axis=1)[:, None]
     left = np.maximum(alone(moved - length * t_far), alone(moved - 0.5 * length * (t_near + t_far)))
     little = (alone(far) < VANISHED * before) & (left > UNEXPLAINED * before)
+    little &= before > ROUNDED
     flat = (level < VANISHED * steep) & (left > UNEXPLAINED * length * steep)
     return np.asarray(little | (flat & (length * steep > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)))
 
@@ -116,7 +118,7 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     moved, apart, size = (np.abs(v)[:-1] for v in (first - there, at - first, first))
     away = (apart > APART * moved) & (moved > noise * scale[:-1]) & (hop[:-1] < APART * apart)
     falls = (np.abs(there[:-1]) < VANISHED * size) & (np.abs(at[:-1]) < VANISHED * size)
-    falls &= np.abs(first - here)[:-1] < APART * np.abs(here[:-1])
+    falls &= (np.abs(first - here)[:-1] < APART * np.abs(here[:-1])) & (size > ROUNDED * scale[:-1])
     return bool(np.any(away | falls))
 
 

@@ -44,3 +44,24 @@ def test_the_product_of_the_multipliers_is_that_of_liouville_with_one_impact(fam
     for point in family.points:
         product = complex(math.prod(point.eigenvalues.tolist()))
         assert product == pytest.approx(R**2 * math.exp(-2.0 * Z * PERIOD), rel=1e-9)
+
+
+def test_a_resonance_against_a_wall_at_rest_has_no_remarks():
+    """x'' + x = cos(w t), x' -> -r x' at x = 0: between impacts x = a cos t + b sin t + K cos(w t + c).
+
+    K = 1/(1 - w^2); x(0) = x(T) = 0 gives a = -K cos c, b = a tan(T/2); v(0) = -r v(T) gives tan c. After every impact x is 0 to
+    rounding errors, of which nothing is left a few rows on; that is no other branch.
+    """
+    model = contin.Model(
+        "wall", states={"x": 0.1, "v": 1.0}, parameters={"r": R, "w": 1.9}, forcing={"period": "2*pi/w"},
+        equations={"x": "v", "v": "cos(w*t) - x"}, events=[{"when": "x", "direction": "down", "set": {"v": "-r*v"}}],
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "w", (1.5, 2.3))
+    assert not branch.notes
+    for w, v, x_min in zip(branch.columns["w"], branch.z[:, 1], branch.columns["x.min"], strict=True):
+        period, size = 2.0 * math.pi / w, 1.0 / (1.0 - w * w)
+        turn = math.tan(period / 2.0) * (1.0 + R * math.cos(period)) - R * math.sin(period)
+        phase = math.atan(-turn / (w * (1.0 + R)))
+        speed = -size * math.cos(phase) * math.tan(period / 2.0) - w * size * math.sin(phase)
+        assert v == pytest.approx(abs(speed), rel=1e-9)
+        assert x_min == pytest.approx(0.0, abs=1e-12)
