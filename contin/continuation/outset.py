@@ -58,7 +58,7 @@ def set_out(
     def beside(size: float) -> Sample | None:
         guess = start.z + scale * (size * start.tangent + 0.5 * elementary.square(size) * bend)
         found = problem.probe(start, size, guess, frame, settings)
-        if found is None:
+        if found is None or problem.separated(start.z, found.z):
             return None
         offset = (found.z - start.z) / scale
         ahead = float(offset @ start.tangent) > 0.9 * float(np.linalg.norm(offset))

@@ -298,6 +298,10 @@ class Problem(ABC):
         """The end that a branch was near whose corrector fails, from its last points; None where there is no sign."""
         return None
 
+    def separated(self, a: Array, b: Array) -> bool:
+        """True where the equations jump somewhere between a and b: no branch leads across."""
+        return False
+
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         """True where one of these symmetries keeps z and turns the (raw) tangent round, in the metric of `scale`."""
         return False

@@ -132,14 +132,17 @@ def fly(
         controls[0] = _leave(
             system, memory.begin, p, float(controls[5]), float(controls[0]), boxes, rtol, allowed, y
         )
-    outcome, why = _outcome(system, status, y, memory, counts, budget, boxes, float(controls[0]), left)
-    why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF" if stiff else why
-    crossed = int(counts[4])
-    last = ring[:crossed] if crossed <= CROSSINGS else np.roll(ring, -(crossed % CROSSINGS), axis=0)
+    outcome, why = _outcome(system, status, y, memory, counts, budget, boxes, float(controls[0]), left, stiff)
     return Flight(
-        n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y, last.copy(), crossed,
-        int(counts[5]), int(counts[2]), outcome, why,
+        n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y,
+        _in_order(ring, int(counts[4])), int(counts[4]), int(counts[5]), int(counts[2]), outcome, why,
     )  # fmt: skip
+
+
+def _in_order(ring: Array, crossed: int) -> Array:
+    """The last crossings of `crossed` ones, in their order."""
+    last = ring[:crossed] if crossed <= CROSSINGS else np.roll(ring, -(crossed % CROSSINGS), axis=0)
+    return last.copy()
 
 
 def _flown(
@@ -205,10 +208,19 @@ def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
 
 def _outcome(
     system: CompiledSystem, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: Array,
-    t: float,
-    left: float,
+    t: float, left: float, stiff: bool,
 ) -> tuple[str, str]:  # fmt: skip
+    """`outcome` and `why` of a flight."""
+    outcome, why = _ended(system, status, y, memory, counts, budget, box, t, left)
+    if stiff:
+        why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF"
+    return outcome, why
 
+
+def _ended(
+    system: CompiledSystem, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: Array,
+    t: float, left: float,
+) -> tuple[str, str]:  # fmt: skip
     if status in (kernel.DONE, kernel.EVENTS):
         return DONE, ""
     n = system.n

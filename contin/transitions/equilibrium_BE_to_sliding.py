@@ -21,6 +21,8 @@ from contin.transitions.registry import Explored, born
 FASTER: Final = 4.0  # the normal rate beside the largest eigenvalue at the point
 STEP: Final = 1e-6  # scaled, along the new branch
 DIGITS: Final = 3  # of the normal rate
+NARROW: Final = 1e-2  # scaled width of a sliding motion, of which the branch is taken up at
+PART: Final = 0.1  # this part
 
 
 @born(EquilibriumProblem, "BE", "the pseudo-equilibria", explored=Explored(when=lambda problem: not problem.is_map))
@@ -68,7 +70,9 @@ def _sliding(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> S
     if not (np.isfinite(low) and np.isfinite(high)) or low == high:
         raise InputError(f"{point.branch}.{point.label}: the sliding motion is not defined beside this point")
     inward = (high < low) if upper else (high > low)
-    return _seed(beyond, point, along if inward else -along)
+    across = 2.0 * STEP / abs(high - low)  # scaled distance to the other end of the sliding motion, about
+    seed = _seed(beyond, point, along if inward else -along)
+    return replace(seed, reach=PART * across) if across < NARROW else seed
 
 
 def _beside(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> Seed:

@@ -312,3 +312,26 @@ def test_a_zero_of_the_mean_on_a_surface_that_is_crossed_is_no_equilibrium():
     model = Model("crossed", states={"x": 0.0}, parameters={"p": 0.0}, equations={"x": "p - 1 + 2*heaviside(x)"})
     with pytest.raises(NoSolutionError, match="surface x"):
         api.equilibrium(model)
+
+
+@pytest.mark.parametrize("jump", [1e-7, 1e-4, 1e-3])
+def test_a_sliding_motion_narrower_than_a_step_has_no_rows_beyond_it(jump):
+    """x' = p - x - d heaviside(x): x = 0 slides for 0 < p < d with the weight p/d, and x = p - d goes on."""
+    model = Model("narrow", states={"x": -1.0}, parameters={"p": -1.0}, equations={"x": f"p - x - {jump}*heaviside(x)"})
+    diagram = api.diagram(model, "p", (-1.0, 1.0))
+    below, sliding, above = diagram.branches
+    assert [b.ends[1].reason for b in (below, sliding, above)] == ["surface", "surface", "bound"]
+    np.testing.assert_allclose(sliding.columns["weight"], sliding.columns["p"] / jump, atol=1e-6)
+    assert sliding.columns["weight"].max() <= 1.0 + 1e-9
+    assert abs(sliding["BE1"].values["p"] - jump) <= sliding["BE1"].error
+
+
+def test_an_equilibrium_that_starts_on_the_surface_to_rounding_ends_there():
+    """x' = r x (1 - x) - x/2 above x = 1/2: x = 1 - 1/(2 r), which is 1/2 at r = 1, where Newton's method arrives."""
+    model = Model(
+        "harvest", states={"x": 1.0}, parameters={"r": 1.0}, equations={"x": "r*x*(1 - x) - 0.5*x*heaviside(x - 0.5)"}
+    )
+    first, sliding = api.diagram(model, "r", (0.2, 2.0)).branches
+    assert [end.reason for end in first.ends] == ["surface", "bound"]
+    assert abs(first["BE1"].values["r"] - 1.0) <= first["BE1"].error
+    np.testing.assert_allclose(sliding.columns["weight"], sliding.columns["r"], atol=1e-9)

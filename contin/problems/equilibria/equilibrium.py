@@ -106,7 +106,12 @@ class EquilibriumProblem(AlgebraicEquations):
         return None if self.sliding is None else self.sliding.jump.surface.text
 
     def separated(self, a: Array, b: Array) -> bool:
-        """True where a surface on which the equations jump lies between a and b: no branch leads across."""
+        """True where a surface on which the equations jump lies between a and b: no branch leads across.
+
+        Of pseudo-equilibria also where motion does not slide at b.
+        """
+        if self.sliding is not None and not boundary.slides(self, b):
+            return True
         return bool(self.system.n_switches) and boundary.separated(self, a, b)
 
     # -- the engine's contract ----------------------------------------------------------------------------------------

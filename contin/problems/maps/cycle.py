@@ -21,6 +21,7 @@ from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.location.halting import HALF_PERIOD
 from contin.continuation.outcome import Corner, Jump, Outcome, Rejected, Verified
+from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
@@ -33,7 +34,7 @@ from contin.problems.dense_march import DenseMarch
 from contin.problems.equilibria import special_points
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.equilibria.fixed_points import OfFixedPoints
-from contin.problems.maps import unrolled
+from contin.problems.maps import borders, unrolled
 from contin.special.table import test_on_branch
 from contin.systems.iterate import IteratedSystem
 
@@ -174,7 +175,16 @@ class CycleProblem(OfFixedPoints):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         march = CycleMarch(self)
-        return python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return borders.cut_at_border(self, chunk)
+
+    def separated(self, a: Array, b: Array) -> bool:
+        """True where a point of the cycle comes across a surface on which the map jumps."""
+        return borders.crosses(self, a, b)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The end at a surface on which the map jumps."""
+        return borders.foretold(self, origin, frame)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(CycleMarch(self), base, length, guess, frame, settings)
@@ -221,7 +231,9 @@ class CycleProblem(OfFixedPoints):
         z, tangent = self.lift(beyond.z), carried(self, beyond.z, beyond.tangent * inner.scale)[0] / frame.scale
         base = replace(last, z=z, tangent=tangent / np.linalg.norm(tangent))
         sample = self.probe(base, 0.0, z, frame, settings)
-        return None if sample is None else (sample, self._lifted(point) if isinstance(point, Verified) else point)
+        if sample is None or self.separated(last.z, sample.z):
+            return None
+        return (sample, self._lifted(point) if isinstance(point, Verified) else point)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         if HALF_PERIOD in symmetries and self._halves(z, tangent):

@@ -21,6 +21,7 @@ from contin.lowering.system import CompiledSystem
 from contin.model.expression import symbols_in
 from contin.model.printing import to_text
 from contin.problems.surfaces.jumps import Jump, jumps_of
+from contin.problems.surfaces.sides import between, side_of
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -33,6 +34,7 @@ AHEAD: Final = tuple(accumulate([2.15] * 9, mul, initial=1e-6))  # scaled distan
 NEAR: Final = 1e-4  # a step across a surface is repeated with shorter ones down to this length
 SHORTER: Final = 4.0
 TOGETHER: Final = 1e-8  # scaled distance of two surfaces that are met at once
+THERE: Final = 1e-12  # scaled distance at which a branch begins on a surface
 EDGE: Final = 1e-12  # of a weight: the end of the sliding motion
 ROUNDED: Final = 1e-9  # of the terms: slopes below this have no sign
 
@@ -60,17 +62,17 @@ def cut_at_surface(problem: AlgebraicEquations, chunk: Chunk) -> Chunk:
         return chunk
     for k in _candidates(problem, chunk):
         if separated(problem, chunk.z[k], chunk.z[k + 1]):
-            return _before(chunk, int(k))
+            return cut_before(chunk, int(k))
     if problem.sliding is None:
         return chunk
     weights = problem.sliding.weights(problem, chunk.z[1:])
     drive = problem.sliding.drive(problem, chunk.z)
     inside = (weights > EDGE) & (weights < 1.0 - EDGE)  # a row on the end itself would have nothing ahead
     left = np.flatnonzero(~inside | (drive[1:] * _first(drive) < TANGENT))
-    return _before(chunk, int(left[0])) if left.size else chunk
+    return cut_before(chunk, int(left[0])) if left.size else chunk
 
 
-def _before(chunk: Chunk, row: int) -> Chunk:
+def cut_before(chunk: Chunk, row: int) -> Chunk:
     """The chunk without the step from this row: to be done again with a shorter one, until it is as short as NEAR."""
     length = float(chunk.lengths[row + 1])
     if length > NEAR:
@@ -82,14 +84,15 @@ def separated(problem: AlgebraicEquations, a: Array, b: Array) -> bool:
     """True where a surface on which the equations jump lies between two points."""
     n = problem.n
     p, q = problem.full_parameters(a), problem.full_parameters(b)
-    for jump in jumps_of(problem.system):
-        before, after = jump.height(a[:n], p)[0], jump.height(b[:n], q)[0]
-        if before * after < 0.0:
-            t = before / (before - after)
-            z = (1.0 - t) * a + t * b
-            if jump.is_jump(z[:n], problem.full_parameters(z)):
-                return True
-    return False
+    targets = (a[:n], b[:n]) if problem.is_map else (np.zeros(n), np.zeros(n))
+    return between(jumps_of(problem.system), (a[:n], p, targets[0]), (b[:n], q, targets[1]))
+
+
+def slides(problem: AlgebraicEquations, z: Array) -> bool:
+    """True for a pseudo-equilibrium on the part of its surface that motion slides on, its edges included."""
+    assert problem.sliding is not None
+    weight = float(problem.sliding.weights(problem, z[None])[0])
+    return -EDGE <= weight <= 1.0 + EDGE
 
 
 def _first(drive: Array) -> float:
@@ -98,12 +101,12 @@ def _first(drive: Array) -> float:
 
 
 def _candidates(problem: AlgebraicEquations, chunk: Chunk) -> NDArray[np.intp]:
-    """Steps in which some switching function changes its sign."""
+    """Steps in which some switching function changes its sign, or from or to a point on its surface."""
     if not problem.system.n_switches:
         return np.empty(0, np.intp)
     p = np.array([problem.full_parameters(z) for z in chunk.z])
     values = problem.system.switches(np.ascontiguousarray(chunk.z[:, : problem.n]), p)
-    return np.flatnonzero(np.any(values[:-1] * values[1:] < 0.0, axis=1))
+    return np.flatnonzero(np.any((values[:-1] * values[1:] <= 0.0) & (values[:-1] != values[1:]), axis=1))
 
 
 def foretold(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renewal | None:
@@ -175,13 +178,21 @@ def _tangent_fields(problem: AlgebraicEquations, origin: Sample, frame: Frame) -
 def _meetings(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> list[Meeting]:
     n, found = problem.n, []
     p = problem.full_parameters(origin.z)
+    target = origin.z[:n] if problem.is_map else np.zeros(n)
     for jump in jumps_of(problem.system):
-        upper = jump.height(origin.z[:n], p)[0] > 0.0
-        found.append(_solved(problem, jump, upper, origin, frame))
+        side = side_of(jump, origin.z[:n], p, target, FARTHEST * _reach(problem, jump, origin.z, frame.scale))
+        found.append(_solved(problem, jump, bool(side), origin, frame))
     if problem.sliding is not None:
         weight = float(problem.sliding.weights(problem, origin.z[None])[0])
         found += [_solved(problem, problem.sliding.jump, upper, origin, frame) for upper in {weight > 0.5, True, False}]
-    return [m for m in found if m is not None and 0.0 < m.distance < FARTHEST]
+    return [m for m in found if m is not None and -THERE < m.distance < FARTHEST]
+
+
+def _reach(problem: AlgebraicEquations, jump: Jump, z: Array, scale: Array) -> float:
+    """How much a height changes over the distance 1."""
+    n = problem.n
+    slope = jump.height(z[:n], problem.full_parameters(z))[1][[*range(n), n + problem.active]]
+    return float(np.linalg.norm(slope * scale))
 
 
 def _solved(problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
@@ -237,8 +248,16 @@ def _met_with(problem: AlgebraicEquations, first: Meeting, frame: Frame) -> list
 
 
 def _is_reached(problem: AlgebraicEquations, meeting: Meeting, origin: Sample, frame: Frame) -> bool:
-    """True where the branch is there right up to the surface, and on its own side of it."""
+    """True where the branch is there right up to the surface, and on its own side of it.
+
+    One that begins on the surface, to rounding, has no points before it: it leads across where its height says so.
+    """
     n, settings = problem.n, Settings()
+    if abs(meeting.distance) <= THERE:
+        own = problem.sliding is not None and meeting.jump is problem.sliding.jump
+        slope = meeting.jump.height(meeting.z[:n], problem.full_parameters(meeting.z))[1]
+        rises = float(slope[[*range(n), n + problem.active]] @ (frame.scale * origin.tangent))
+        return not own and (rises < 0.0 if meeting.upper else rises > 0.0)
     for part in BESIDE:
         length = part * meeting.distance
         guess = origin.z + part * (meeting.z - origin.z)

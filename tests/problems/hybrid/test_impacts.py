@@ -49,8 +49,8 @@ def test_the_product_of_the_multipliers_is_that_of_liouville_with_one_impact(fam
 def test_a_resonance_against_a_wall_at_rest_has_no_remarks():
     """x'' + x = cos(w t), x' -> -r x' at x = 0: between impacts x = a cos t + b sin t + K cos(w t + c).
 
-    K = 1/(1 - w^2); x(0) = x(T) = 0 gives a = -K cos c, b = a tan(T/2); v(0) = -r v(T) gives tan c. After every impact x is 0 to
-    rounding errors, of which nothing is left a few rows on; that is no other branch.
+    K = 1/(1 - w^2); x(0) = x(T) = 0 gives a = -K cos c, b = a tan(T/2), and v(0) = -r v(T) gives tan c. After every
+    impact x is 0 to rounding errors, of which nothing is left a few rows on; that is no other branch.
     """
     model = contin.Model(
         "wall", states={"x": 0.1, "v": 1.0}, parameters={"r": R, "w": 1.9}, forcing={"period": "2*pi/w"},
