@@ -24,7 +24,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.large_orbits import branch_points, events
+from contin.problems.large_orbits import branch_points, coarse_birth, events
 from contin.problems.large_orbits.from_starts import FromStarts
 from contin.problems.large_orbits.large_orbit_equations import TOLERANCE, LargeOrbitEquations
 from contin.problems.large_orbits.layout import Layout, OnPoints
@@ -220,7 +220,14 @@ class LargeOrbitProblem(LargeOrbitEquations):
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What the trivial multiplier says of the mesh, and the phase of a moving frame, at the last row."""
-        return (*self._on_mesh(z), *remarks_on_frame(self.system, self.profile(z[-1]).U.reshape(-1, self.n)))
+        born = coarse_birth.remark(self.parameters[0], z, self._amplitude) if isinstance(self.layout, OnPoints) else ""
+        frame = remarks_on_frame(self.system, self.profile(z[-1]).U.reshape(-1, self.n))
+        return (*self._on_mesh(z), *([born] if born else []), *frame)
+
+    def _amplitude(self, z: Array) -> float:
+        """Root of the sum of the states' variances."""
+        U = self.profile(z).U.reshape(-1, self.n)
+        return norm((U - U.mean(axis=0)).ravel()) / float(np.sqrt(len(U)))
 
     def _on_mesh(self, z: Array) -> Sequence[str]:
         sweeps = self.sweeps(z[-1])
