@@ -26,6 +26,7 @@ from contin.problems.orbits.march import in_kernel
 from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.measured.columns import integrals, names_of, norms, orbit_columns, periods, with_observables
 from contin.problems.orbits.measured.measures import standard_columns
+from contin.problems.orbits.mesh import coarse
 from contin.problems.orbits.mesh.adaption import unresolved
 from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import make_scale
@@ -160,9 +161,10 @@ class OrbitProblem(OrbitEquations):
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        """That the family is vertical, or neutral, or its frame without a phase."""
+        """That the family is vertical, or neutral, its mesh too coarse, or its frame without a phase."""
         framed = remarks_on_frame(self.system, self.profile(z[-1]).u)
-        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues), *framed)
+        mesh = coarse.remark(self, z)
+        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues), *([mesh] if mesh else []), *framed)
 
     def recounted(
         self, z: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
