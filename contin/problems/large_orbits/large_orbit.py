@@ -22,9 +22,10 @@ from contin.continuation.problem import Problem
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
+from contin.linalg.linear import DirectLinear
 from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.large_orbits import branch_points, coarse_birth, events
+from contin.problems.large_orbits import branch_points, coarse_birth, events, fast_modes
 from contin.problems.large_orbits.from_starts import FromStarts
 from contin.problems.large_orbits.large_orbit_equations import TOLERANCE, LargeOrbitEquations
 from contin.problems.large_orbits.layout import Layout, OnPoints
@@ -222,7 +223,18 @@ class LargeOrbitProblem(LargeOrbitEquations):
         """What the trivial multiplier says of the mesh, and the phase of a moving frame, at the last row."""
         born = coarse_birth.remark(self.parameters[0], z, self._amplitude) if isinstance(self.layout, OnPoints) else ""
         frame = remarks_on_frame(self.system, self.profile(z[-1]).U.reshape(-1, self.n))
-        return (*self._on_mesh(z), *([born] if born else []), *frame)
+        fast = self._fast_modes(z[-1])
+        return (*self._on_mesh(z), *(text for text in (born, fast) if text), *frame)
+
+    def _fast_modes(self, z: Array) -> str:
+        """A note where modes are too fast for the mesh, of systems whose eigenvalues are computed in no time."""
+        if not isinstance(self.layout, OnPoints) or self.n > fast_modes.MOST or self.source.mass is not None:
+            return ""
+        orbit = self.profile(z)
+        linear = self.source.at(self.beginning(z), self.full_parameters(z))
+        if not isinstance(linear, DirectLinear):
+            return ""
+        return fast_modes.remark(np.linalg.eigvals(linear.matrix.toarray()), orbit.period, orbit.h)
 
     def _amplitude(self, z: Array) -> float:
         """Root of the sum of the states' variances."""
