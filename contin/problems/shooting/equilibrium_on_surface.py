@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 TINY: Final = 0.02  # amplitude, relative to the states' sizes, of an orbit that has shrunk
 LARGER: Final = (1.0, 1.5, 2.0, 2.5)  # amplitudes of the orbits that are extrapolated from
+AMPLITUDES: Final = 1e-8  # relative error of an amplitude, and with it of the distance to the limit
 AT_REST: Final = 0.05  # speed at the equilibrium, relative to that of the smallest orbit
 
 
@@ -60,7 +61,8 @@ def at_rest(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame
     speed = np.abs(problem.system.value(rest, p)).max()
     if not speed < AT_REST * np.abs(np.ptp(profiles[0].u, axis=0)).max() * 2.0 * np.pi / period:
         return None
-    error = 4.0 * abs(parameter - float(limits[0][0]))
+    known = AMPLITUDES * float(np.abs(values[:, 0] - parameter).max())
+    error = 4.0 * (abs(parameter - float(limits[0][0])) + known)
     name = problem.parameters[0]
     rounded = np.round(rest, 9) + 0.0
     where = ", ".join(f"{s} = {v:.6g}" for s, v in zip(problem.system.state_names, rounded, strict=True))

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 CLOSE_TO_CORNER = 0.3  # of the best distance: nearer than this to a crossing, the phase is moved
 LOST_SECTION = 0.7  # cosine between flow and normal below which the section is renewed
+FAINT = 1e-6  # part of a unit tangent in parameter and period, below which its sign is rounding
+BESIDE = 1e-4  # (scaled) distance of the neighbour that tells its sense then
 TANGENT = 0.05  # ... below which the section is tangent to the flow
 
 
@@ -97,7 +99,10 @@ def _moved(
     """A sample at the new phase; its tangent by solving for it there, with the sense of the old one."""
     at = onto_section(problem, sample.z, fraction, target) if z is None else z
     frame = Frame(scale)
-    guide = _parameter_and_period(problem, sample.tangent * np.where(sample.tangent == 0.0, 0.0, old), scale)
+    raw = sample.tangent * np.where(sample.tangent == 0.0, 0.0, old)
+    guide = _parameter_and_period(problem, raw, scale)
+    if float(np.linalg.norm(sample.tangent[[-1, len(raw) - problem.n - 3]])) < FAINT:
+        guide = _of_neighbours(problem, sample.z, raw, at, scale, fraction, target)
     base = replace(sample, z=at, tangent=guide)
     found: Sample | None = problem.probe(base, 0.0, at, frame, Settings())
     if found is None:
@@ -106,6 +111,16 @@ def _moved(
         return replace(sample, z=at, tangent=t * (np.sign(float(t @ guide)) or 1.0))
     t = found.tangent
     return replace(found, tangent=t * (np.sign(float(t @ guide)) or 1.0))
+
+
+def _of_neighbours(
+    problem: ShotEquations, z: Array, raw: Array, at: Array, scale: Array, fraction: float, target: Nodes
+) -> Array:
+    """A unit vector from an orbit to the next one of its family, both at the new phase: of a family at one parameter
+    and period, as the cycles of a centre are, the rest of the tangent has no sense but this."""
+    offset = (onto_section(problem, z + BESIDE * raw, fraction, target) - at) / scale
+    size = float(np.linalg.norm(offset))
+    return np.asarray(offset / size) if np.isfinite(size) and size > 0.0 else np.zeros(len(raw))
 
 
 def _parameter_and_period(problem: ShotEquations, raw: Array, scale: Array) -> Array:

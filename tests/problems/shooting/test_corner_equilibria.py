@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import contin
 
@@ -35,3 +37,28 @@ def test_a_family_between_two_corners_has_two_ends_and_is_no_closed_loop():
     for end, at in zip(branch.ends, (-1.0, 1.0), strict=True):
         assert abs(end.data["at"]["mu"] - at) <= max(10.0 * end.data["error"], 1e-10)
     assert not branch.points
+
+
+def test_cycles_of_a_centre_that_reach_a_corner_go_on_beyond_it_and_not_back_to_the_centre():
+    """x'' = -x + a x', less 2 x' where |x| > 1: all cycles up to the amplitude 1 are at a = 0, with the period 2 pi.
+
+    Where the phase is moved, parameter and period say nothing of the way along them. Beyond, x(T) is x(0) by DOP853.
+    """
+    model = contin.Model(
+        "damped", states={"x": 0, "y": 0}, parameters={"a": -0.5},
+        equations={"x": "y", "y": "-x + a*y - (0 if abs(x) < 1 else 2*y)"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "a", (-0.5, 0.5))
+    branch = contin.continuation(line["HB1"].switch(), "a", (-0.5, 0.5))
+    assert branch.ends[1].reason == "bound"
+    top, a = branch.columns["x.max"], branch.columns["a"]
+    assert np.all(np.diff(top) > 0.0)
+    assert np.abs(a[top < 1.0]).max() < 1e-9
+
+    def rates(t, u):
+        return [u[1], -u[0] + a[-1] * u[1] - (0.0 if abs(u[0]) < 1.0 else 2.0 * u[1])]
+
+    end = solve_ivp(
+        rates, (0.0, branch.columns["period"][-1]), [top[-1], 0.0], method="DOP853", rtol=1e-9, atol=1e-10
+    ).y[:, -1]
+    assert end == pytest.approx([top[-1], 0.0], abs=1e-5)
