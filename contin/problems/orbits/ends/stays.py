@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -13,14 +13,20 @@ from contin.problems.orbits.march.slow_passage import slow_intervals
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.ends.saddles import Saddle
     from contin.problems.orbits.family import FamilyOfOrbits
 
 GROWS = 0.02  # part of what the period gained that a visit must have gained to be one of those that grow without bound
 
 
+class Resting(Protocol):
+    """What is asked of a saddle, `contin.problems.orbits.ends.saddles.Saddle`: its state."""
+
+    @property
+    def u(self) -> Array: ...
+
+
 def visits(
-    problem: FamilyOfOrbits, saddle: Saddle, profile: Profile, sizes: Array, earlier: Profile | None = None
+    problem: FamilyOfOrbits, saddle: Resting, profile: Profile, sizes: Array, earlier: Profile | None = None
 ) -> int:  # fmt: skip
     """How often the orbit comes near the saddle and is slow there before it goes away again.
 
@@ -37,12 +43,12 @@ def visits(
     return max(1, sum(a - b > GROWS * gained for a, b in zip(now, then, strict=True)))
 
 
-def time_away(problem: FamilyOfOrbits, saddles: Sequence[Saddle], profile: Profile, sizes: Array) -> float:
+def time_away(problem: FamilyOfOrbits, saddles: Sequence[Resting], profile: Profile, sizes: Array) -> float:
     """The time of a period that the orbit spends away from saddles."""
     return profile.period - sum(time for s in saddles for time, _ in stays(problem, s, profile, sizes))
 
 
-def stays(problem: FamilyOfOrbits, saddle: Saddle, profile: Profile, sizes: Array) -> list[tuple[float, bool]]:
+def stays(problem: FamilyOfOrbits, saddle: Resting, profile: Profile, sizes: Array) -> list[tuple[float, bool]]:
     """How long each visit lasts, and whether the orbit is slow there, from the first one in the period on.
 
     Ends are linear between nodes: the difference of two orbits next to each other is far more exact than their times.
