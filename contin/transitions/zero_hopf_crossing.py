@@ -34,6 +34,7 @@ def hopf_curves(seed: Seed, point: SpecialPoint, own: bool) -> list[Seed]:
     scale = point.scale if own else problem.curve.scales(seed.z, widths)
     if own:
         problem = replace(problem, curve=point.problem.curve)
+    problem = replace(problem, curve=problem.curve.settled(z, scale))  # with rows of one size in any unit of time
     values = np.asarray(point.eigenvalues)
     near = Sample(z, np.zeros(len(z)), np.zeros(1), 0, values)
     function = function_of(problem, "ZH", near)

@@ -37,7 +37,9 @@ class Planted:
         return self.slopes @ (np.array([p, q]) - self.at[:, None] if np.ndim(p) else np.array([p, q]) - self.at)
 
 
-def planted(seed: int, extra: int = 0, reflection: bool = False, bend: float = 0.0) -> Planted:
+def planted(
+    seed: int, extra: int = 0, reflection: bool = False, bend: float = 0.0, rate: float = 1.0
+) -> Planted:
     rng = np.random.default_rng(seed)
     n = 3 + extra
     b, c, d, e = (rng.uniform(0.4, 1.5, 4) * rng.choice([-1.0, 1.0], 4)).tolist()
@@ -60,6 +62,7 @@ def planted(seed: int, extra: int = 0, reflection: bool = False, bend: float = 0
     }  # fmt: skip
     parts = {"nu": nu, "alpha": alpha, "R": "y1^2 + y2^2", "S": f"alpha + {d!r}*{w} + ({e!r} + {bend!r}*nu)*R"}
     turned = {f"f{k}": f"g{k} + 2*{number(float(shear[k]))}*y1*g1" for k in range(n)}
+    matrix = rate * matrix
     equations = {names[j]: " + ".join(f"{number(float(matrix[j, k]))}*f{k}" for k in range(n)) for j in range(n)}
     model = Model(
         "plane", states=dict.fromkeys(names, 0.0), parameters={"p": 0.0, "q": 0.0}, equations=equations,
@@ -80,8 +83,8 @@ def curve(case: Planted, type_: str) -> Any:
     raise AssertionError("no such point on any of the lines")
 
 
-def check(seed: int, extra: int = 0, reflection: bool = False) -> None:
-    case = planted(seed, extra, reflection)
+def check(seed: int, extra: int = 0, reflection: bool = False, rate: float = 1.0) -> None:
+    case = planted(seed, extra, reflection, rate=rate)
     hopf = curve(case, "HB")
     assert [p.type for p in hopf.points] == ["ZH"], (seed, extra, reflection, hopf.points, hopf.notes)
     point = hopf.points[0]
@@ -127,6 +130,11 @@ def check(seed: int, extra: int = 0, reflection: bool = False) -> None:
 @pytest.mark.parametrize("reflection", [False, True])
 def test_one_zero_hopf_point_and_the_other_hopf_curve(seed, reflection):
     check(seed, seed % 2, reflection)
+
+
+@pytest.mark.parametrize("rate", [1e9, *(pytest.param(rate, marks=pytest.mark.long) for rate in (1e-9, 1e-6, 1e6))])
+def test_zero_hopf_points_in_any_unit_of_time(rate):
+    check(4, rate=rate)
 
 
 def test_the_other_hopf_curve_is_the_other_one_where_the_tangent_at_the_point_is_none():
@@ -260,3 +268,27 @@ def test_the_food_chain_has_a_zero_hopf_point_where_the_prey_isocline_has_its_to
     assert point.normal_form["case"].endswith("degenerate")
     for other in (p for p in hopf.points if p.type == "GH"):  # one on either side, and none at the point
         assert abs(other.values["K"] - capacity) > 1e-5
+
+
+def test_the_chain_without_superpredators_has_its_zero_hopf_point_in_slow_units_of_time_as_well():
+    """There the planar Hopf curve is K = 2 x + 1/3 for any growth r of the prey; the superpredator comes in at y = 1/8.
+
+    With rates of 1e-7 the curve's equations were too small beside its conditions, which have no unit.
+    """
+    model = Model(
+        "chain", states={"x": 0.8, "y": 0.2, "z": 5.0}, parameters={"K": 1.0, "r": 1.0},
+        equations={
+            "x": "1e-7*x*(r*(1 - x/K) - 5*y/(1 + 3*x))",
+            "y": "1e-7*y*(5*x/(1 + 3*x) - 0.1*z/(1 + 2*y) - 0.4)",
+            "z": "1e-7*z*(0.1*y/(1 + 2*y) - 0.01)",
+        },
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "K", (0.2, 1.5))
+    planar = api.continuation(line["BP1"].switch(), "K", (0.2, 1.5))
+    hopf = api.continuation(planar["HB1"].locus(("K", "r")), ("K", "r"), {"K": (0.2, 1.5), "r": (0.3, 3.0)})
+    x = 0.4 / (5.0 - 3.0 * 0.4)
+    capacity = 2.0 * x + 1.0 / 3.0
+    growth = 0.125 * 5.0 / ((1.0 - x / capacity) * (1.0 + 3.0 * x))
+    assert [point.type for point in hopf.points] == ["ZH"]
+    assert (hopf.points[0].values["K"], hopf.points[0].values["r"]) == pytest.approx((capacity, growth), abs=1e-12)
+    assert not hopf.notes

@@ -9,6 +9,7 @@ import numpy as np
 from contin.abi import Array
 from contin.loci.codim2.forms import jet_at
 from contin.loci.codim2.uncomputed_tests import untold
+from contin.machine import elementary
 from contin.normalforms.maps import period_doubling
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def flip_coefficient(problem: CurveOfPoints, z: Array) -> float:
-    """The cubic coefficient of a period doubling, whose zero is a GPD."""
+    """The cubic coefficient of a period doubling in the states' sizes, whose zero is a GPD."""
     try:
         return of_jet(jet_at(problem, z))
     except (ZeroDivisionError, np.linalg.LinAlgError) as error:
@@ -25,5 +26,7 @@ def flip_coefficient(problem: CurveOfPoints, z: Array) -> float:
 
 
 def of_jet(jet: Jet) -> float:
-    """The same; raises where it has no finite value."""
-    return float(period_doubling(jet).coefficients["c"])
+    """The same, of c for |q| = 1 in the model's units; raises where it has no finite value."""
+    form = period_doubling(jet)
+    length = float(np.linalg.norm(form.vectors["q"] if jet.scale is None else form.vectors["q"] / jet.scale))
+    return float(form.coefficients["c"]) / elementary.square(length)

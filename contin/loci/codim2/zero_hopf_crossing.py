@@ -69,9 +69,15 @@ def solve(problem: CurveOfPoints, eigenvalue: Callable[[Array], float], near: Sa
     def conditions(z: Array) -> Array:
         return np.asarray(unscaled(z) / sizes)
 
-    def system(y: Array) -> tuple[Array, Array]:
+    def equations(y: Array) -> tuple[Array, Array]:
         f, jacobian = curve.linearise(y * scale, parameters)
-        return np.append(f / rows, conditions(y * scale)), jacobian * scale / rows[:, None]
+        return f / rows, jacobian * scale / rows[:, None]
+
+    rate = float(np.max(np.abs(equations(near.z / scale)[1]))) or 1.0  # the conditions have no unit of time
+
+    def system(y: Array) -> tuple[Array, Array]:
+        f, jacobian = equations(y)
+        return np.append(f / rate, conditions(y * scale)), jacobian / rate
 
     def step(y: Array) -> Array | None:
         g, jacobian = system(y)

@@ -10,6 +10,8 @@ from contin.model.model import Model
 
 BOX = {"al": (-3, 5), "be": (-2, 3)}
 NAMES = ("al", "be")
+CYCLE = (1.37, 0.215, -0.0732)  # of the adaptive controller, near b = .28, k = 1
+GPD = (0.863269470303660474, 0.251863865709134076)
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +71,27 @@ def test_folds_of_doubled_cycles_end_where_they_meet_the_fixed_point():
     assert abs(q[row]) < 1e-2
     assert len(np.unique(np.sign(folds.columns["x"]))) == 1
     assert folds.points == ()
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_generalised_doublings_of_cycles_are_found_in_any_unit_of_the_states(unit):
+    """An adaptive controller (Frouzakis, Adomaitis, Kevrekidis 1991): c, and its rounding errors, go as 1/unit^2.
+
+    The place is by Newton's method in 40 digits on the cycle, det(A + 1) = 0 and c = 0 (mpmath).
+    """
+    model = Model(
+        "adaptive", kind="map", states=dict(zip("XYZ", (v * unit for v in CYCLE), strict=True)),
+        parameters={"b": 0.28, "k": 1.0}, definitions={"x": f"X/{unit!r}", "y": f"Y/{unit!r}", "z": f"Z/{unit!r}"},
+        equations={
+            "X": f"{unit!r}*y", "Y": f"{unit!r}*(b*x + k + y*z)",
+            "Z": f"{unit!r}*(z - k*y/(0.1 + y^2)*(b*x + k + y*z - 1))",
+        },
+    )  # fmt: skip
+    cycles = contin.continuation(contin.equilibrium(model, period=2), "b", (0.26, 0.32))
+    doublings = contin.continuation(cycles["PD1"].locus(), ("b", "k"), {"b": (0.2, 1.5), "k": (0.1, 1.5)})
+    assert [point.type for point in doublings.points] == ["GPD"]
+    assert doublings["GPD1"].values["b"] == pytest.approx(GPD[0], abs=1e-9)
+    assert doublings["GPD1"].values["k"] == pytest.approx(GPD[1], abs=1e-9)
 
 
 def test_tori_of_doubled_cycles_end_at_the_resonance_of_the_fixed_point():
