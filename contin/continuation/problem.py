@@ -227,6 +227,10 @@ class Problem(ABC):
         """Index of the test function whose zero locates this type; None: by the change of the unstable count."""
         return None
 
+    def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
+        """A sample next to a located point of this type, with tests that a march leaves out and that change there."""
+        return sample
+
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """Solve the defining system of `type_` from a nearby sample."""
         return NOTHING

@@ -84,10 +84,10 @@ def untold(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], sides: 
     """
     if not stretch.problem.adaptive:
         return 0.0
-    seen = [side.far for side in sides]
-    missing = [end for end in ends if not any(stretch.distance(end, far) <= CLOSE for far in seen)]
-    widths = [stretch.distance(point, end) for end in missing]
-    return max((width for width in widths if width >= 4.0 * CLOSE_ADAPTIVE), default=0.0)
+    widths = [(end, stretch.distance(point, end)) for end in ends]
+    seen = [side.far for side in sides]  # solved further than the ends are: not at them to the last digit
+    missing = [width for end, width in widths if not any(stretch.distance(end, far) <= 0.5 * width for far in seen)]
+    return max((width for width in missing if width >= 4.0 * CLOSE_ADAPTIVE), default=0.0)
 
 
 def sides_beyond(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample]) -> list[Side]:

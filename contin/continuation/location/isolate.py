@@ -174,7 +174,9 @@ def _with_rest(
     simple, lost, centre, labelled = True, False, stretch.length_of(point), [found.length]
     for look in sides:
         simple &= vanishes_linearly(stretch, point, look, crossing)
-        for item in _rest(stretch, look.near, look.far, centre, crossing, depth, (*beside, found.point)):
+        type_, frame = found.point.type, stretch.frame
+        near, far = (stretch.problem.measured_beside(type_, sample, frame) for sample in (look.near, look.far))
+        for item in _rest(stretch, near, far, centre, crossing, depth, (*beside, found.point)):
             if isinstance(item, Found) and item.point.type == found.point.type:
                 labelled.append(item.length)
             lost |= isinstance(item, Note) and item.hides

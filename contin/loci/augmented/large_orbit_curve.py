@@ -62,6 +62,9 @@ class LargeOrbitCurve(AugmentedCurve):
 
     adaptive = True
 
+    def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
+        return criticality.beside_pole(self, type_, sample, frame.scale)
+
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         last = self._last
         asked = np.concatenate([base.z, frame.scale])

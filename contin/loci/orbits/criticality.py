@@ -3,8 +3,8 @@
 c of PD or Re d of NS (`contin.problems.orbits.normal_forms.normal_form`) costs as much as some twenty steps. So it is
 computed at the first and the last row of a chunk, and before a step in which it has a pole; where its sign changes,
 bisection finds the two rows between which it does, and the chunk ends there. Where the values at the ends of this
-chunk and of the one before have room for two zeros, or an event came before, rows in between are looked at, too. The
-others have no value (NaN), which is no change of sign.
+chunk and of the one before have room for two zeros, or an event came before, rows in between are looked at, too, and
+those next to which there may be two poles. The others have no value (NaN), which is no change of sign.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from contin.records import Fields
 
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
 POLES: Final = {"PD": (3, 4), "NS": (4, 5, 6)}  # tests of R2, LPPD; LPNS, R1, R2: the coefficient is infinite there
+AT_POLES: Final = {"PD": ("R2", "LPPD"), "NS": ("LPNS", "R1", "R2")}  # the types of these
 ZERO: Final = 1e-5  # part of the values beside it that a zero must be below: at strong resonances there are poles
 UNDECIDED: Final = 1e-7  # of the terms that it is made of: a coefficient this small has no sign
 SAME: Final = 1e-9  # relative difference of parameters and period of a point that is known
@@ -91,6 +92,11 @@ def measured(curve: CriticalCurve, sample: Sample, scale: Array) -> Sample:
     return _with(curve, sample, coefficient(curve, sample.z, scale))
 
 
+def beside_pole(curve: CriticalCurve, type_: str, sample: Sample, scale: Array) -> Sample:
+    """The sample with its coefficient beside a point at which that is infinite: a step may hold a zero and a pole."""
+    return measured(curve, sample, scale) if type_ in AT_POLES.get(curve.type, ()) else sample
+
+
 def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to where the sign changes, if it does."""
     if curve.type not in SLOTS or len(chunk) < 2:
@@ -103,13 +109,20 @@ def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
     end = last - 1 if _passes_pole(curve, rows[-2], rows[-1]) else last
     if end not in values:
         values[end] = coefficient(curve, rows[end].z, scale, True)
-    found = values[0] * values[end] < 0.0
+    low, found = 0, values[0] * values[end] < 0.0
+    for row in () if found else _beside_poles(curve, rows[: end + 1]):
+        values[row] = coefficient(curve, rows[row].z, scale, True)
+        if values[low] * values[row] < 0.0:
+            found, end = True, row
+            break
+        low = row if np.isfinite(values[row]) else low
+    low = low if found else 0
     lengths = np.cumsum(np.append(0.0, chunk.lengths[1:]))
     before = curve.critical.get("before")
     if not found and not _is_straight(before, (0.0, values[0]), (float(lengths[end]), values[end])):
         turned = _between(curve, rows, lengths, scale, values, 0, end)
         found, end = (turned is not None), (end if turned is None else turned)
-    low, high = (0, end) if found else (last, last)
+    low, high = (low, end) if found else (last, last)
     while found and high - low > 1:
         middle = (low + high) // 2
         values[middle] = coefficient(curve, rows[middle].z, scale)
@@ -161,6 +174,20 @@ def _between(
 
 def _passes_pole(curve: CriticalCurve, a: Sample, b: Sample) -> bool:
     return bool(np.any(np.array([a.tests[k] * b.tests[k] for k in POLES[curve.type]]) < 0.0))
+
+
+def _beside_poles(curve: CriticalCurve, rows: list[Sample]) -> list[int]:
+    """Rows next to which the coefficient may have two poles, with other signs between them and other zeros beside them.
+
+    There a test of them comes nearer to zero than it changes in a step, and turns round.
+    """
+    found = []
+    for k in range(1, len(rows) - 1):
+        before, here, after = (row.tests[list(POLES[curve.type])] for row in rows[k - 1 : k + 2])
+        turns = (np.abs(here) <= np.abs(before)) & (np.abs(here) <= np.abs(after)) & (before * after > 0.0)
+        if np.any(turns & (np.abs(here) <= np.maximum(np.abs(before - here), np.abs(after - here)))):
+            found.append(k)
+    return found
 
 
 def is_zero(curve: CriticalCurve, value: float) -> bool:

@@ -83,6 +83,9 @@ class OrbitLocusProblem(OfSpecialOrbits):
         chunk = cut_at_birth(self, chunk, frame, settings) if self.curve.orbits.autonomous else chunk
         return until_dip(chunk, before, length, FIRST_TEST)
 
+    def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
+        return criticality.beside_pole(self.curve, type_, sample, frame.scale)
+
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
         curve = self.curve.gauged(frame.gauge)

@@ -83,6 +83,9 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
         return criticality.cut_at_change(self.curve, chunk, frame.scale)
 
+    def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
+        return criticality.beside_pole(self.curve, type_, sample, frame.scale)
+
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         found = super().probe(base, length, guess, frame, settings)
         if found is None:
