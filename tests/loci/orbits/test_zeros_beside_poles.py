@@ -1,4 +1,4 @@
-"""Where Re d of a torus changes its sign next to poles: on a curve that passes R2, goes among real pairs, and comes back.
+"""Re d of a torus changes its sign next to poles: on a curve that passes R2, goes among real pairs, and comes back.
 
 On the curve of Neimark-Sacker points of Lorenz' 84 model with a fourth mode, from its HH point to the mirror image of
 that, CH lies at F = 2.57027, R2 at 2.57091 and 2.57643: one step led over both, and values before and after were alike.
