@@ -37,17 +37,33 @@ def gone_over(
 
     labelled : rows of special points, where branches meet.  noise : of rows, in scaled unknowns.
     """
+    return first_beyond(
+        len(z), start, labelled,
+        lambda rows, sense: _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise),
+        lambda rows: _are_two(problem, z[rows], scale, noise),
+        MOST,
+    )  # fmt: skip
+
+
+def first_beyond(
+    count: int, start: int, labelled: set[int], strange: Callable[[NDArray[np.intp], int], list[int]],
+    are_two: Callable[[NDArray[np.intp]], bool], most: int,
+) -> list[int]:  # fmt: skip
+    """The first of `count` rows on both ways from `start` that are beyond a step between two branches.
+
+    strange : places of suspicious steps among rows in turn, whose tangents have this sense.  are_two : whether the
+    first and the last of some rows are of two branches; asked of `most` steps on each way.
+    """
     found = []
     for sense in (1, -1):
-        rows = np.arange(start, len(z)) if sense == 1 else np.arange(start, -1, -1)
-        steps = [
-            k for k in _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise)
-            if labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])
-        ]  # fmt: skip
-        for k in steps[:MOST]:
+        rows = np.arange(start, count) if sense == 1 else np.arange(start, -1, -1)
+        if len(rows) < 2:
+            continue
+        steps = [k for k in strange(rows, sense) if labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])]
+        for k in steps[:most]:
             last = min(k + NEXT, len(rows) - 1)
             beyond = (last - 1, last) if k + NEXT < len(rows) else (last,)
-            if all(_are_two(problem, z[rows[k : row + 1]], scale, noise) for row in beyond):
+            if all(are_two(rows[k : row + 1]) for row in beyond):
                 found.append(int(rows[k + 1]))
                 break
     return sorted(found)

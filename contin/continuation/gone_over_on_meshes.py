@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.gone_over import APART, NEXT, VANISHED, suspicious, way_back
+from contin.continuation.gone_over import APART, VANISHED, first_beyond, suspicious, way_back
 from contin.continuation.problem import Problem
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
@@ -42,23 +42,14 @@ def gone_over_on_meshes(
         return np.column_stack([np.linalg.norm(parts, axis=1), np.abs(values[:, -1])])
 
     y, t = flat(functions, z[:, -1]), flat(slopes, tangents[:, -1])
-    found = []
-    for sense in (1, -1):
-        rows = np.arange(start, len(z)) if sense == 1 else np.arange(start, -1, -1)
-        if len(rows) < 2:
-            continue
-        strange = suspicious(y[rows], sense * t[rows], NOISE, alone) & (alone(y[rows[:-1]]) > NOISE)
-        steps = [
-            int(k) for k in np.flatnonzero(strange[:, :-1].any(axis=1))
-            if labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])
-        ]  # fmt: skip
-        for k in steps[:MOST]:
-            last = min(k + NEXT, len(rows) - 1)
-            beyond = (last - 1, last) if k + NEXT < len(rows) else (last,)
-            if all(_are_two(problem, z[rows[k : row + 1]], sizes, bounds) for row in beyond):
-                found.append(int(rows[k + 1]))
-                break
-    return sorted(found)
+
+    def strange(rows: NDArray[np.intp], sense: int) -> list[int]:
+        steps = suspicious(y[rows], sense * t[rows], NOISE, alone) & (alone(y[rows[:-1]]) > NOISE)
+        return [int(k) for k in np.flatnonzero(steps[:, :-1].any(axis=1))]
+
+    return first_beyond(
+        len(z), start, labelled, strange, lambda rows: _are_two(problem, z[rows], sizes, bounds), MOST
+    )  # fmt: skip
 
 
 def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
