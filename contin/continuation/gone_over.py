@@ -24,6 +24,7 @@ STRAY: Final = 0.6  # part of a state's slope by which it differs from the line 
 VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
 ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the rounding of one that is zero
 APART: Final = 0.5  # of a state's change: two solutions that differ by more are two
+RETURNED: Final = 1e-3  # of how far the way back has led: where it begins, found again from its end
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs a few times `PARTS` solutions
 PARTS: Final = 8  # of a step, on the way back at fixed parameters
 BLOCK: Final = 1_000_000  # numbers that are looked at at once
@@ -119,23 +120,40 @@ def _vanishing(
 
 
 def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
-    """True where the solution at the last of some rows goes back, by their parameters, to another than the first."""
+    """True where the solution at the last of some rows goes back, by their parameters, to another than the first.
+
+    Beside a branch point the way back may itself lead over to another branch; from its end it does not return, then.
+    """
     here, there = z[0], z[-1]
     first = problem.at_parameter(here.copy(), float(here[-1]), scale)
     if first is None:
         return False
-    at, before, hop = there, None, np.zeros_like(there)
-    for place in way_back(z[::-1, -1]):
-        guess = at.copy() if before is None else 2.0 * at - before
-        found = problem.at_parameter(guess.copy(), place, scale)
-        if found is None:
-            return False
-        before, at, hop = at, found, np.maximum(hop, np.abs(found - guess))
+    places = way_back(z[::-1, -1])
+    at, hop = followed(problem, there, places, scale)
+    if at is None:
+        return False
     moved, apart, size = (np.abs(v)[:-1] for v in (first - there, at - first, first))
     away = (apart > APART * moved) & (moved > noise * scale[:-1]) & (hop[:-1] < APART * apart)
     falls = (np.abs(there[:-1]) < VANISHED * size) & (np.abs(at[:-1]) < VANISHED * size)
     falls &= (np.abs(first - here)[:-1] < APART * np.abs(here[:-1])) & (size > ROUNDED * scale[:-1])
-    return bool(np.any(away | falls))
+    if not np.any(away | falls):
+        return False
+    again, _ = followed(problem, at, [*places[-2::-1], float(there[-1])], scale)
+    if again is None:
+        return False
+    return bool(np.all(np.abs(again - there) <= np.maximum(RETURNED * np.abs(at - there), noise * scale)))
+
+
+def followed(problem: Problem, start: Array, places: list[float], scale: Array) -> tuple[Array | None, Array]:
+    """The solution at the last of some parameters in turn, and how far one was from what was foretold, by unknowns."""
+    at, before, hop = start, None, np.zeros_like(start)
+    for place in places:
+        guess = at.copy() if before is None else 2.0 * at - before
+        found = problem.at_parameter(guess.copy(), place, scale)
+        if found is None:
+            return None, hop
+        before, at, hop = at, found, np.maximum(hop, np.abs(found - guess))
+    return at, hop
 
 
 def way_back(parameters: Array) -> list[float]:

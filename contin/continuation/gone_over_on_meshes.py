@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.gone_over import APART, VANISHED, first_beyond, suspicious, way_back
+from contin.continuation.gone_over import APART, RETURNED, VANISHED, first_beyond, suspicious, way_back
 from contin.continuation.problem import Problem
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
@@ -59,21 +59,38 @@ def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, floa
     if first is None:
         return False
     scale = problem.initial_scale(there, bounds)
-    at, before, hop = there, None, np.zeros(len(sizes))
-    for place in way_back(z[::-1, -1]):
-        guess = at.copy() if before is None else 2.0 * at - before
-        found = problem.at_parameter(guess.copy(), place, scale)
-        if found is None:
-            return False
-        hop = np.maximum(hop, _size(problem.at_shared_places(found, found - guess)))
-        before, at = at, found
+    places = way_back(z[::-1, -1])
+    at, hop = _followed(problem, there, places, scale, len(sizes))
+    if at is None:
+        return False
     one, other, own, row = (problem.at_shared_places(v, v) for v in (there, at, first, here))
     moved, apart, size = _size(own - one), _size(other - own), _size(own)
     noise = max(NOISE, *(CLEAR * problem.mesh_error(v, sizes) for v in (there, first)))
     away = (apart > APART * moved) & (moved > noise * sizes) & (hop < APART * apart)
     falls = (_size(one) < VANISHED * size) & (_size(other) < VANISHED * size)
     falls &= (_size(own - row) < APART * _size(row)) & (size > noise * sizes)
-    return bool(np.any(away | falls))
+    if not np.any(away | falls):
+        return False
+    again, _ = _followed(problem, at, [*places[-2::-1], float(there[-1])], scale, len(sizes))
+    if again is None:
+        return False
+    off = _size(problem.at_shared_places(again, again) - one)
+    return bool(np.all(off <= np.maximum(RETURNED * _size(other - one), noise * sizes)))
+
+
+def _followed(
+    problem: Problem, start: Array, places: list[float], scale: Array, count: int
+) -> tuple[Array | None, NDArray[np.float64]]:
+    """The solution at the last of some parameters in turn, and how far one of `count` functions was from foretold."""
+    at, before, hop = start, None, np.zeros(count)
+    for place in places:
+        guess = at.copy() if before is None else 2.0 * at - before
+        found = problem.at_parameter(guess.copy(), place, scale)
+        if found is None:
+            return None, hop
+        hop = np.maximum(hop, _size(problem.at_shared_places(found, found - guess)))
+        before, at = at, found
+    return at, hop
 
 
 def _size(functions: Array) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contin
+from contin.continuation.gone_over import gone_over
 
 ENDS = [1e-4, 1.5e-3, 0.012, 0.046, 0.3]  # beyond the pitchfork
 FORMS = {
@@ -53,3 +54,16 @@ def test_an_amplitude_that_falls_to_zero_does_so_at_the_pitchfork():
     assert pitchfork.type == "BP"
     assert abs(pitchfork.values["a"] - 4.0) <= pitchfork.error + 1e-11
     assert "at a = 4," in branch.ends[1].text
+
+
+def test_a_look_back_that_itself_leads_to_another_branch_says_nothing():
+    """Rows of x^2 = a, where a state is zero but for rounding: from a = 9e-5, Newton at a = 9e-4 leads to x = 0."""
+    equations = {"x": "x*(a - x^2)", "y": "-y"}
+    model = contin.load({"name": "one", "states": {"x": 1, "y": 0}, "parameters": {"a": 1}, "equations": equations})
+    problem = contin.continuation(contin.equilibrium(model), "a", (0.5, 1.5)).problem
+    x = np.sqrt(np.array([0.05, 0.024, 6.4e-3, 9e-5, 3e-5, 1e-5]))
+    rows = np.column_stack([x, [3e-15, 3e-15, 3e-15, 3e-15, 1e-17, 1e-17], x * x])
+    tangents = np.column_stack([-np.ones_like(x), np.zeros_like(x), -2.0 * x])
+    for over in ([], [2]):
+        assert gone_over(problem, rows, tangents, 0, set(), np.ones(3), 1e-8) == over
+        rows[3:, 0] = tangents[3:, 0] = 0.0  # of the branch x = 0, which is another one at a = 0.024
