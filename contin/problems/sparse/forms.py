@@ -151,12 +151,10 @@ class Derivatives:
     def __call__(self, *directions: Vector) -> Vector:
         return self._known(self.problem.form(self.z, *directions, system=self.system))
 
-    def functional(self, left: Callable[[Vector], Any], terms: Vector, v: Vector) -> float:
-        """left(D^2F(z)[v, v]) of a linear functional; `terms`: D^2F[v, v] as it is, of which entries are off."""
-        if self.noise is None and self.system is None:
-            return float(np.real(left(terms)))
-        found = self.problem.functional(left, self.z, v, 2, self.system or self.problem.system)
-        return found + float(np.real(left(self._known(terms) - terms)))
+    def functional(self, left: Callable[[Vector], Any], v: Vector) -> float:
+        """left(D^2F(z)[v, v]) of a linear functional."""
+        found, terms = self.problem.functional(left, self.z, v, 2, self.system or self.problem.system)
+        return found if self.noise is None else found + float(np.real(left(self._known(terms) - terms)))
 
     def slope(self) -> Array:
         """F_p"""
@@ -183,10 +181,9 @@ def with_errors(problem: LargeEquations, z: Array, compute: Coefficients) -> tup
 def fold(problem: LargeEquations, z: Array, q: Vector, along: Callable[[Vector], Any]) -> Fields:
     """`a` = <p, B(q, q)>/2, `along` = <p, .> for the null vector q of length 1."""
     right = state(q)
-    terms = problem.form(z, right, right)
 
     def coefficient(form: Derivatives) -> dict[str, float]:
-        return {"a": 0.5 * form.functional(along, terms, right)}
+        return {"a": 0.5 * form.functional(along, right)}
 
     found, errors = with_errors(problem, z, coefficient)
     return {**found, "errors": errors}

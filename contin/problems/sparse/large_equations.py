@@ -99,9 +99,9 @@ class LargeEquations(InOneParameterProblem):
 
     def functional(
         self, left: Callable[[Vector], Any], z: Array, v: Vector, order: int, system: FunctionSystem
-    ) -> float:  # fmt: skip
-        """left(D^kF(z)[v, ..., v]) of a linear functional, k = `order`, real v (n + 1,)."""
-        return system.functional(left, z[: self.n], self.full_parameters(z), self._among_all(v), order)
+    ) -> tuple[float, Array]:  # fmt: skip
+        """left(D^kF(z)[v, ..., v]) of a linear functional, k = `order`, real v (n + 1,); and what it is of."""
+        return system.functional_with_terms(left, z[: self.n], self.full_parameters(z), self._among_all(v), order)
 
     def _among_all(self, d: Vector) -> Vector:
         """A direction (n + 1,) among all parameters, (n + m,)."""

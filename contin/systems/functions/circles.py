@@ -10,7 +10,7 @@ another size cancel in them), of which a smaller circle makes more.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Final
 
@@ -41,12 +41,25 @@ def nodes() -> tuple[tuple[complex, ...], Vector]:
     return tuple(upper), np.array(turned)
 
 
-def derivative_on_circle(value: Callable[[complex], Vector], order: int, reach: float, size: int) -> Array:
+def coefficients(values: Sequence[Vector], order: int | None = None) -> Array:
+    """Taylor coefficients times r^order, of one order or of all (POINTS, n), of a function that is real on the axis.
+
+    values : at r times the upper nodes.
+    """
+    _, turned = nodes()
+    rows = turned if order is None else turned[order]
+    return np.asarray((rows @ np.array(values, dtype=complex)).real)
+
+
+def derivative_on_circle(
+    value: Callable[[complex], Vector], order: int, reach: float, size: int,
+    taken: Callable[[float], None] | None = None,
+) -> Array:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, (size,), real for real t; NaN where the circle is too small for numbers.
 
-    reach : over which t the arguments change by their own sizes.
+    reach : over which t the arguments change by their own sizes.  taken : told the radius from which some component is.
     """
-    upper, turned = nodes()
+    upper, _ = nodes()
     best, missing = np.full(size, np.nan), np.ones(size, dtype=bool)
     tail = np.full(size, np.inf)
     for smaller in SMALLER:
@@ -54,11 +67,13 @@ def derivative_on_circle(value: Callable[[complex], Vector], order: int, reach: 
         power = elementary.pow(r, order)
         if not power > TINY:
             break
-        terms = (turned @ np.array([value(r * w) for w in upper], dtype=complex)).real
+        terms = coefficients([value(r * w) for w in upper])
         found = terms[order] * (math.factorial(order) / power)
         last, before, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms[BEFORE], terms))
         ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
         better = missing & ((ratio < FALLEN * tail) | ~np.isfinite(best))
+        if taken is not None and better.any():
+            taken(r)
         best, tail = np.where(better, found, best), np.where(better, ratio, tail)
         missing = missing & ~((ratio <= CONVERGED) | ((ratio <= ROUNDED) & (last >= FLAT * before)))
         if not missing.any():

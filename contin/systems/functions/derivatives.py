@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.systems.functions.circles import derivative_on_circle
+from contin.machine import elementary
+from contin.systems.functions.circles import coefficients, derivative_on_circle, nodes
 from contin.systems.functions.stencils import differentiated
 from contin.systems.functions.tensors import second, third
 
@@ -72,37 +73,55 @@ class Lines:
 
     def pure(self, u: Array, p: Array, v: Array, order: int) -> Array:
         """D^k F[v, ..., v], k = `order`."""
-        return self._pure(self.function, len(u), u, p, v, order)
-
-    def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
-        """left(D^k F[v, ..., v]), k = `order`, of a linear functional.
-
-        Of an analytic F one series of numbers: how it converges is asked of what is wanted, and not of components of F
-        whose derivatives are below the rounding of F, for which circle after circle is tried.
-        """
-        if not self.analytic:
-            return float(np.real(left(self.pure(u, p, v, order))))
-        value = lambda at, others: np.array([left(self.function(at, others))])  # noqa: E731
-        return float(self._pure(value, 1, u, p, v, order)[0])
-
-    def _pure(self, function: Function, size: int, u: Array, p: Array, v: Array, order: int) -> Array:
         n = len(u)
         reach = self._reach(u, p, v)
         if reach == 0.0:
-            return np.zeros(size)
-        along, across = v[:n], v[n:]
+            return np.zeros(n)
+        along, across, function = v[:n], v[n:], self.function
         if self.analytic:
 
             def on_line(t: complex) -> Vector:
                 return np.asarray(function(u + t * along, p + t * across))
 
-            return derivative_on_circle(on_line, order, reach * self.wider, size)
+            return derivative_on_circle(on_line, order, reach * self.wider, n)
         if self.slope is not None and order > 1:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
             return differentiated(ahead, order - 1, reach * self.wider, self.levels)
         ahead = lambda t: function(u + t * along, p + t * across)  # noqa: E731
         return differentiated(ahead, order, reach * self.wider, self.levels)
+
+    def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
+        """left(D^k F[v, ..., v]), k = `order`, of a linear functional."""
+        return self.functional_with_terms(left, u, p, v, order)[0]
+
+    def functional_with_terms(
+        self, left: Functional, u: Array, p: Array, v: Array, order: int
+    ) -> tuple[float, Array]:
+        """`functional`, and D^k F[v, ..., v] as well as that needs it.
+
+        Of an analytic F one series of numbers: how it converges is asked of what is wanted, and not of components of F
+        whose derivatives are below the rounding of F, for which circle after circle is tried.
+        """
+        n = len(u)
+        reach = self._reach(u, p, v)
+        if not self.analytic or reach == 0.0:
+            terms = self.pure(u, p, v, order)
+            return float(np.real(left(terms))), terms
+        values: list[Vector] = []  # on the last circle
+        terms, around = np.full(n, np.nan), len(nodes()[0])
+
+        def on_line(t: complex) -> Vector:
+            if len(values) == around:
+                values.clear()
+            values.append(np.asarray(self.function(u + t * v[:n], p + t * v[n:])))
+            return np.array([left(values[-1])])
+
+        def taken(r: float) -> None:
+            nonlocal terms
+            terms = coefficients(values, order) * (math.factorial(order) / elementary.pow(r, order))
+
+        return float(derivative_on_circle(on_line, order, reach * self.wider, 1, taken)[0]), terms
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
         """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, or one if all are equal."""

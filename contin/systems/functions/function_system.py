@@ -17,6 +17,7 @@ from contin.errors import InputError, InputWarning, NotFiniteError, UserFunction
 from contin.linalg.probed import ProbedMatrix
 from contin.normalforms.jet import expand_complex
 from contin.records import Fields
+from contin.systems.functions import by_parameters
 from contin.systems.functions.derivatives import Lines, is_analytic
 from contin.systems.functions.guarded import called, numbers, vector
 from contin.systems.functions.trials import not_analytic, real, try_function
@@ -103,11 +104,12 @@ class FunctionSystem:
     def raw(self, u: Vector, p: Vector) -> Vector:
         """F(u, p) (n,), real or complex, as the user's function gives it."""
 
-        def evaluate() -> Vector:
-            return vector("residual", called("residual", self.model.residual, u, self._named(p)), self.n)
-
-        value: Vector = self.attempt("residual", evaluate, np.full(self.n, np.nan), u, p)
+        value: Vector = self.attempt("residual", lambda: self._bare(u, p), np.full(self.n, np.nan), u, p)
         return value
+
+    def _bare(self, u: Vector, p: Vector) -> Vector:
+        """`raw`, or UserFunctionError, of which nothing is kept."""
+        return vector("residual", called("residual", self.model.residual, u, self._named(p)), self.n)
 
     def quickly(self, u: Vector, p: Vector) -> Vector:
         """`raw` without looking for what is wrong, until something is: for the many points of a difference or circle.
@@ -226,6 +228,14 @@ class FunctionSystem:
         analytic = self.model.written is None and is_analytic(self.raw, u0, p0, sizes)
         return Lines(self.quickly, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
 
+    @cached_property
+    def _takes_real_states(self) -> bool:
+        """Asked of large systems only, where an evaluation is dear."""
+        if self.model.method == "dense":
+            return False
+        u0, p0 = self.model.start_point()
+        return by_parameters.takes_real_states(self._bare, u0, p0, self.lines.sizes)
+
     def _slope(self, u: Array, p: Array, v: Array) -> Array:
         """D F[v] by the user's Jacobian."""
         assert self.model.jacobian is not None
@@ -261,7 +271,9 @@ class FunctionSystem:
         lines = self.lines
         with np.errstate(all="ignore"):
             if lines.analytic:
-                return lines.first(u, p, direction)
+                size = np.maximum(np.abs(p), lines.sizes[self.n :]) * direction[self.n :]
+                by_step = by_parameters.by_step(self._bare, u, p, size) if self._takes_real_states else None
+                return lines.first(u, p, direction) if by_step is None else by_step / size[k]
             return replace(lines, function=self.quickly, slope=None).pure(u, p, direction, 1)
 
     def state_jacobian(self, u: Array, p: Array) -> Array:
@@ -385,10 +397,19 @@ class FunctionSystem:
 
     def functional(self, left: Callable[[Vector], Any], u: ArrayLike, p: ArrayLike, v: Vector, order: int) -> float:
         """left(D^k F(z)[v, ..., v]), of a linear functional and a real direction v (n + m,), k = `order`."""
+        return self.functional_with_terms(left, u, p, v, order)[0]
+
+    def functional_with_terms(
+        self, left: Callable[[Vector], Any], u: ArrayLike, p: ArrayLike, v: Vector, order: int
+    ) -> tuple[float, Array]:
+        """`functional`, and D^k F(z)[v, ..., v] as well as that needs it."""
         if self.model.derivative is not None:
-            return float(np.real(left(self.derivative(u, p, *[v] * order))))
+            terms = self.derivative(u, p, *[v] * order)
+            return float(np.real(left(terms))), terms
         with np.errstate(all="ignore"):
-            return self.lines.functional(left, np.array(u, dtype=float), np.array(p, dtype=float), v, order)
+            return self.lines.functional_with_terms(
+                left, np.array(u, dtype=float), np.array(p, dtype=float), v, order
+            )
 
     @property
     def error_of_slopes(self) -> float:
