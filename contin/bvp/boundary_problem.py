@@ -40,7 +40,7 @@ SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge a size 
 STANDING = 1e-9  # part of the tangent below which the parameter does not change
 TRIVIAL = 1e-6  # of the tolerance: a solution with a smaller error says nothing about its mesh
 TINY = 1e-8  # of the largest: such a function is none
-SAME = 1e-6  # difference of two solutions, relative to their sizes, up to which they are one
+SAME = 1e-6  # difference of two solutions, relative to their sizes (and the metric's), up to which they are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +219,8 @@ class BoundaryProblem(BoundaryEquations):
         times = np.linspace(0.0, 1.0, 21)
         apart = np.abs(one.at(times) - other.at(times)).max(axis=0)
         sizes = np.maximum(np.abs(one.u).max(axis=0), np.abs(other.u).max(axis=0))
-        near = bool(np.all(apart <= max(SAME, float(np.sqrt(allowed / scale[-1]))) * np.maximum(sizes, 1e-300)))
+        noticed = next((SAME * self.sizes(c.z, scale) for c in (a, b) if c.z.size == scale.size), 0.0)
+        near = bool(np.all(apart <= max(SAME, float(np.sqrt(allowed / scale[-1]))) * sizes + noticed))
         return abs(float(a.z[-1] - b.z[-1])) <= allowed and near
 
     def trouble(self, z: Array) -> str:

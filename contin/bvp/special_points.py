@@ -16,11 +16,12 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp import normal_forms
 from contin.bvp.condensed import Condensed, linearise, residual_at
-from contin.bvp.continuum import free_function
+from contin.bvp.continuum import NONE, free_function
 from contin.bvp.defects import finer as finer_mesh
 from contin.bvp.imperfection import imperfection
 from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, nearly_null, null_vector, smallest
 from contin.bvp.on_mesh import OnMesh
+from contin.bvp.several_modes import ALONG, form_of, reduced_to_kernel
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.errors import InputError
@@ -49,6 +50,7 @@ PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
 WITHIN = 3.0  # errors of a coefficient within which it is zero
 SEVERAL = "BP: two modes or more vanish at once; several branches cross there, of which one is switched to"
+NOT_ALL = "BP: two modes or more vanish at once; the leading terms do not tell all branches that cross there"
 NO_VALUES = np.zeros(0, complex)
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
@@ -88,7 +90,11 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
     known: Fields = {"kernel": 1, "free": free_function(mesh, x, small, local.scale[:-1])}
+    jet = reduced_to_kernel(mesh, x, here.tangent, local.scale, small) if crowded and known["free"] == NONE else None
     remark = SEVERAL if int(form.get("kernel", 1)) > 1 else ""
+    if jet is not None:
+        form, error, x = form_of(jet), error + abs(float(jet.z[-1] - x[-1])), jet.z
+        remark = NOT_ALL if "repeated" in form or "continua" in form else ""
     return Verified(
         type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, known, crowded=crowded, remark=remark
     )
@@ -119,20 +125,28 @@ def _together(problem: BoundaryEquations, near: Sample, frame: Frame) -> Sequenc
         if isinstance(first, Rejected):
             continue
         one = verify(problem, "BP", replace(near, z=mesh.full(first.x)), frame)
-        if isinstance(one, Verified) and not any(_is_one(one, o, mesh, local) for o in found):
-            found.append(one)
+        if not isinstance(one, Verified):
+            continue
+        same = [o for o in found if _is_one(one, o, mesh, local)]
+        if not same or all(_kernel(one) > _kernel(o) for o in same):  # one mode alone: of a place that is a little off
+            found = [o for o in found if o not in same] + [one]
     if not found:
         return [verify(problem, "BP", near, frame)]
-    kernel = max(int(o.normal_form.get("kernel", 1)) for o in found if isinstance(o, Verified))
+    kernel = max(_kernel(o) for o in found)
     if len(found) < directions.shape[1] and kernel == 1:
         found.append(unverified("BP", "others lie so close to it that they are not told apart"))
     return found
 
 
+def _kernel(found: Outcome) -> int:
+    return int(found.normal_form.get("kernel", 1)) if isinstance(found, Verified) else 1
+
+
 def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:
     assert isinstance(b, Verified)
-    apart = norm((mesh.unknowns(a.z) - mesh.unknowns(b.z)) / frame.scale)
-    return apart <= 3.0 * (a.error + b.error) / float(frame.scale[-1]) + ROUNDING
+    off = (mesh.unknowns(a.z) - mesh.unknowns(b.z)) / frame.scale
+    errors = 3.0 * (a.error + b.error) / float(frame.scale[-1]) + ROUNDING
+    return norm(off) <= errors or (abs(float(off[-1])) <= errors and norm(off) <= ALONG)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""The other branch through a branch point of a boundary-value problem."""
+"""The other branches through a branch point of a boundary-value problem."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
+from contin.bvp.kernel_at_branch_point import smallest
 from contin.bvp.on_mesh import OnMesh
+from contin.bvp.several_modes import reduced_to_kernel
 from contin.bvp.special_points import embedded, reduction
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.seed import Seed
@@ -19,10 +21,15 @@ from contin.problems.orbits.mesh.layout import make_scale
 from contin.transitions.oriented import oriented
 from contin.transitions.registry import Explored, born
 
+PARALLEL = 0.9999  # cosine from which a direction is the branch's own
 
-@born(BoundaryProblem, "BP", "the branch that crosses", explored=Explored())
+
+@born(BoundaryProblem, "BP", "the branches that cross", explored=Explored())
 def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """The seed of the branch that crosses the point's own there, with tangent and curvature."""
+    """The seeds of the branches that cross the point's own there, with tangents and curvatures.
+
+    One, or where several modes vanish at once all of them.
+    """
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
     mesh = OnMesh(problem, problem.profile(point.z).h)
@@ -30,13 +37,29 @@ def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> l
     own = mesh.unknowns(point.tangent / point.scale)
     own /= norm(own)
     scale = mesh.unknowns(point.scale)
-    reduced, _ = reduction(mesh, x, own, scale)
-    curves = reduced.crossing(x)
-    if not curves:
+    curves = _through(mesh, x, own, scale, point)
+    cosines = np.array([abs(float((d / scale) @ own)) / norm(d / scale) for d, _ in curves])
+    several = int(point.normal_form.get("branches", 1)) > 1
+    chosen = np.flatnonzero(cosines < PARALLEL) if several else [int(np.argmin(cosines))] if curves else []
+    if not len(chosen):
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
-    cosines = [abs(float((d / scale) @ own)) / norm(d / scale) for d, _ in curves]
-    direction, bend = curves[int(np.argmin(cosines))]
-    direction = oriented(direction, scale)
+    return [_seed(problem, point, mesh, oriented(curves[i][0], scale), curves[i][1]) for i in chosen]
+
+
+def _through(mesh: OnMesh, x: Array, own: Array, scale: Array, point: SpecialPoint) -> list[tuple[Array, Array]]:
+    """First and second derivatives (raw) of the branches through x.  own : tangent of one of them, scaled."""
+    try:
+        if int(point.normal_form.get("branches", 1)) > 1:
+            jet = reduced_to_kernel(mesh, x, own, scale, smallest(mesh, x))
+            if jet is not None:
+                return jet.branches()
+        return list(reduction(mesh, x, own, scale)[0].crossing(x))
+    except ArithmeticError as failure:
+        raise InputError(f"{point.branch}.{point.label}: {failure}") from failure
+
+
+def _seed(problem: BoundaryProblem, point: SpecialPoint, mesh: OnMesh, direction: Array, bend: Array) -> Seed:
+    """The branch x + s direction + s^2 bend / 2."""
     metric = _metric(problem, point, mesh, direction, bend)
     d, c = direction / metric, bend / metric
     length = norm(d)
@@ -45,8 +68,8 @@ def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> l
     flat = np.zeros(len(mesh.h) + 1)
     curvature = np.concatenate([c[:-1], flat, c[-1:]])
     full = np.concatenate([metric[:-1], [1.0], np.ones(len(mesh.h)), metric[-1:]])
-    return [Seed(replace(problem, spaces={}), point.z.copy(), embedded(mesh, d), curvature, full,
-                 parent=Parent(point.branch, point.label))]  # fmt: skip
+    return Seed(replace(problem, spaces={}), point.z.copy(), embedded(mesh, d), curvature, full,
+                parent=Parent(point.branch, point.label))  # fmt: skip
 
 
 def _metric(problem: BoundaryProblem, point: SpecialPoint, mesh: OnMesh, direction: Array, bend: Array) -> Array:

@@ -61,4 +61,5 @@ def test_two_modes_at_once_are_one_label_and_no_continuum():
     assert point.normal_form["kernel"] == 2
     assert abs(point.values["lam"] - np.pi**2) <= point.error < 1e-7
     assert [end.reason for end in branch.ends] == ["bound", "bound"]
-    assert any("several branches cross there" in note for note in branch.notes)
+    assert not any("several branches cross there" in note for note in branch.notes)
+    assert len(point.switch()) == point.normal_form["branches"] - 1 == 4

@@ -1,0 +1,82 @@
+"""Branch points of boundary-value problems at which two modes vanish at once, and all branches through them."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+import contin
+
+ENDS = [f"{name}({end}) = 0" for name in "xy" for end in ("start", "end")]
+
+
+def pair(angle, force):
+    """x'' = -F(x, y), seen in coordinates turned by an angle: F = (f(u, w), f(w, u)) in u, w."""
+    c, s = math.cos(angle), math.sin(angle)
+    return contin.load({
+        "name": "pair", "kind": "bvp", "time": {"name": "t", "from": 0, "to": 1}, "states": dict.fromkeys("xvyz", 0),
+        "parameters": {"p": {"value": 8.0, "range": [8, 14]}},
+        "definitions": {
+            "u": f"{c!r}*x + {s!r}*y", "w": f"{c!r}*y - {s!r}*x",
+            "fu": force, "fw": force.replace("u", "#").replace("w", "u").replace("#", "w"),
+        },
+        "equations": {"x": "v", "v": f"-({c!r}*fu - {s!r}*fw)", "y": "z", "z": f"-({s!r}*fu + {c!r}*fw)"},
+        "conditions": ENDS,
+    })  # fmt: skip
+
+
+def parameter(amplitude):
+    """p of u'' + p (u - u^3) = 0, u(0) = u(1) = 0, u >= 0: by the quarter of a period of the pendulum-like motion."""
+    a = amplitude**2
+    return 4.0 * ellipk(a / (2.0 - a)) ** 2 / (1.0 - 0.5 * a)
+
+
+def at_middle(branch, row, angle):
+    """u and w at t = 1/2, where they are largest."""
+    x, _, y, _ = branch.problem.profile(branch.z[row]).at(np.array([0.5]))[0]
+    return np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
+
+
+def followed(model, steps):
+    line = contin.continuation(contin.boundary_problem(model), "p", (8, 12))
+    (point,) = line.points
+    assert abs(point.values["p"] - np.pi**2) <= point.error < 1e-7
+    seeds = point.switch()
+    return point, [contin.continuation(seed, "p", (8, 14), settings={"steps": steps}) for seed in seeds]
+
+
+@pytest.mark.parametrize(("angle", "coupling"), [(0.0, 0.0), (0.3, 0.5)])
+def test_four_branches_leave_where_two_pitchforks_coincide(angle, coupling):
+    """u'' + p (u - u^3 - c u w^2) = 0 and the same for w: u alone, w alone, u = w, u = -w; an elliptic integral."""
+    point, branches = followed(pair(angle, f"p*(u - u^3 - {coupling}*u*w^2)"), 6)
+    assert {k: point.normal_form[k] for k in ("kind", "kernel", "scaling", "branches")} == {
+        "kind": "multiple", "kernel": 2, "scaling": "cubic", "branches": 5,
+    }  # fmt: skip
+    ways = set()
+    for branch in branches:
+        assert [p.type for p in branch.points] == []
+        for row in (0, -1):
+            u, w = at_middle(branch, row, angle)
+            size, factor = max(abs(u), abs(w)), 1.0 + coupling * (min(abs(u), abs(w)) > 1e-3)
+            assert branch.columns["p"][row] == pytest.approx(parameter(size * np.sqrt(factor)), rel=1e-6)
+        ways.add((abs(u) > 1e-3, abs(w) > 1e-3, u * w > 1e-6))
+        assert np.hypot(u, w) > 0.01
+    assert ways == {(True, False, False), (False, True, False), (True, True, True), (True, True, False)}
+
+
+def test_three_branches_leave_where_two_transcritical_points_coincide():
+    """u'' + p (exp(u) - 1) = 0 twice: each alone, and both together."""
+    point, branches = followed(pair(0.0, "p*(exp(u) - 1)"), 4)
+    assert (point.normal_form["scaling"], point.normal_form["branches"]) == ("quadratic", 4)
+    ways = set()
+    for branch in branches:
+        x, y = (branch.columns[f"{k}.norm"] for k in "xy")
+        moved = {k: bool(v[0] > 1e-3) for k, v in (("x", x), ("y", y))}
+        ways.add((moved["x"], moved["y"]))
+        if moved["x"] and moved["y"]:
+            np.testing.assert_allclose(x, y, rtol=1e-8, atol=1e-12)
+        size = max(x[0], y[0])
+        assert size > 1e-2
+    assert ways == {(True, False), (False, True), (True, True)}
+
