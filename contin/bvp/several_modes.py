@@ -16,24 +16,27 @@ from contin.abi import Array
 from contin.bvp.kernel_at_branch_point import SmallestValues, nearly_null
 from contin.bvp.on_mesh import OnMesh
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 from contin.normalforms.directions import any_branch_point
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.reduced_equation import border_rows
 from contin.records import Fields
 
-ALONG: Final = 1e-3  # (scaled) how far off a place may be that one mode finds alone, ...
-ACROSS: Final = 1e-8  # ... and its parameter
+ALONG: Final = 1e-3  # (scaled) how far off a place may be that one mode finds alone
+WITHIN: Final = 3.0  # errors of the parameter within which two places are one
+ROUNDING: Final = 1e-14
 TOLD: Final = ("kind", "kernel", "scaling", "branches", "continua", "repeated")  # what no basis of the kernel changes
 
 
 def reduced_to_kernel(
-    mesh: OnMesh, x: Array, tangent: Array, scale: Array, small: SmallestValues
+    mesh: OnMesh, x: Array, tangent: Array, scale: Array, small: SmallestValues, error: float
 ) -> ReducedJet | None:  # fmt: skip
     """The equations reduced to all that nearly vanishes of F_u at x, where it vanishes together, at the jet's own z.
 
-    None where less than two modes nearly vanish, or not together next to x. One mode alone finds its place to
-    rounding in the parameter only: along the others the equations are of second order.
-    tangent : of the branch at hand, scaled.  small : of F_u at x.  May raise ArithmeticError.
+    None where less than two modes nearly vanish, or not together at x. One mode alone finds that place to the error of
+    its parameter; along the others the equations are of second order, and so is what the parameter is off by.
+    tangent : of the branch at hand, scaled.  small : of F_u at x.  error : of its parameter.  May raise
+    ArithmeticError.
     """
     vectors, linear = nearly_null(mesh, x, small), mesh.linear(x)
     k = vectors.shape[1]
@@ -46,7 +49,8 @@ def reduced_to_kernel(
     if found is None:
         return None
     off = (found[0] - x) / scale
-    if not (norm(off) <= ALONG and abs(float(off[-1])) <= ACROSS):
+    known = WITHIN * error / float(scale[-1]) + ROUNDING + elementary.square(norm(off[:-1]))
+    if not (norm(off) <= ALONG and abs(float(off[-1])) <= known):
         return None
     return ReducedJet(kernel, found[0])
 

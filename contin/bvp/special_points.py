@@ -90,7 +90,9 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
     known: Fields = {"kernel": 1, "free": free_function(mesh, x, small, local.scale[:-1])}
-    jet = reduced_to_kernel(mesh, x, here.tangent, local.scale, small) if crowded and known["free"] == NONE else None
+    jet = None
+    if crowded and known["free"] == NONE:
+        jet = reduced_to_kernel(mesh, x, here.tangent, local.scale, small, error)
     remark = SEVERAL if int(form.get("kernel", 1)) > 1 else ""
     if jet is not None:
         form, error, x = form_of(jet), error + abs(float(jet.z[-1] - x[-1])), jet.z

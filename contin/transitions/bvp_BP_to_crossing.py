@@ -50,7 +50,7 @@ def _through(mesh: OnMesh, x: Array, own: Array, scale: Array, point: SpecialPoi
     """First and second derivatives (raw) of the branches through x.  own : tangent of one of them, scaled."""
     try:
         if int(point.normal_form.get("branches", 1)) > 1:
-            jet = reduced_to_kernel(mesh, x, own, scale, smallest(mesh, x))
+            jet = reduced_to_kernel(mesh, x, own, scale, smallest(mesh, x), point.error or 0.0)
             if jet is not None:
                 return jet.branches()
         return list(reduction(mesh, x, own, scale)[0].crossing(x))

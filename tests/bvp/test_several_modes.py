@@ -80,3 +80,17 @@ def test_three_branches_leave_where_two_transcritical_points_coincide():
         assert size > 1e-2
     assert ways == {(True, False), (False, True), (True, True)}
 
+
+
+def test_two_modes_that_vanish_next_to_each_other_are_two_labels_and_no_multiple_one():
+    """u'' + p (u - u^3) = 0 beside w'' + q p (w - w^3) = 0: pi^2 and pi^2/q, a part of 1e-9 apart."""
+    q = 1.0 + 1e-9
+    equations = {"x": "v", "v": "-p*(x - x^3)", "y": "z", "z": f"-p*{q!r}*(y - y^3)"}
+    model = contin.load({
+        "name": "near", "kind": "bvp", "time": {"name": "t", "from": 0, "to": 1}, "states": dict.fromkeys("xvyz", 0),
+        "parameters": {"p": {"value": 9.0, "range": [9, 11]}}, "equations": equations, "conditions": ENDS,
+    })  # fmt: skip
+    points = contin.continuation(contin.boundary_problem(model), "p", (9, 11)).points
+    for point, exact in zip(points, (np.pi**2 / q, np.pi**2), strict=True):
+        assert abs(point.values["p"] - exact) <= point.error < 1e-11
+        assert point.normal_form["kind"] != "multiple"
