@@ -4,7 +4,8 @@ The trapezoidal rule on a circle of radius r gives all Taylor coefficients at on
 error of about k! 1e-16 / r^k for the k-th derivative, beside what coefficients of order k + 16 and higher add. The
 last coefficients tell of these: where they are not small beside the others (a pole is near), the circle is made
 smaller. Where they are small and no smaller than those before them, they are rounding errors of the values (terms of
-another size cancel in them), of which a smaller circle makes more.
+another size cancel in them), of which a smaller circle makes more. So are components that do not change along the line
+but for rounding (constraints along directions that keep them).
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ CONVERGED: Final = 1e-12  # of the largest coefficient, times r^order: then thos
 FALLEN: Final = 1e-2  # part of the last coefficients' share from which a smaller circle is better: rounding's stays
 ROUNDED: Final = 1e-6  # of the largest: a series that has come to it by order 12 falls by .01 in the next four orders,
 FLAT: Final = 0.1  # and has not fallen to this part of itself where rounding is all that is left
+EPS: Final = float(np.finfo(float).eps)
+LOST: Final = 16.0 * EPS  # of how much a component changes with its arguments' sizes: rounding of sums of some terms
 SMALLER: Final = (1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3)
 TINY: Final = float(np.finfo(float).tiny)
 
@@ -53,11 +56,13 @@ def coefficients(values: Sequence[Vector], order: int | None = None) -> Array:
 
 def derivative_on_circle(
     value: Callable[[complex], Vector], order: int, reach: float, size: int,
-    taken: Callable[[float], None] | None = None,
+    taken: Callable[[float], None] | None = None, changes: Callable[[], Vector] | None = None,
 ) -> Array:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, (size,), real for real t; NaN where the circle is too small for numbers.
 
     reach : over which t the arguments change by their own sizes.  taken : told the radius from which some component is.
+    changes : by how much components do where the arguments change by their sizes in a generic direction, (size,); asked
+    where the largest circle does not do.
     """
     upper, _ = nodes()
     best, missing = np.full(size, np.nan), np.ones(size, dtype=bool)
@@ -71,11 +76,14 @@ def derivative_on_circle(
         found = terms[order] * (math.factorial(order) / power)
         last, before, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms[BEFORE], terms))
         ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
+        ratio[~np.isfinite(largest)] = np.inf  # a pole on the circle, or numbers too large
         better = missing & ((ratio < FALLEN * tail) | ~np.isfinite(best))
         if taken is not None and better.any():
             taken(r)
         best, tail = np.where(better, found, best), np.where(better, ratio, tail)
         missing = missing & ~((ratio <= CONVERGED) | ((ratio <= ROUNDED) & (last >= FLAT * before)))
+        if missing.any() and changes is not None:
+            missing = missing & ~(largest <= LOST * changes())
         if not missing.any():
             break
     return best

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -20,6 +20,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.systems.functions.circles import coefficients, derivative_on_circle, nodes
+from contin.systems.functions.generic_change import GenericChange
 from contin.systems.functions.stencils import differentiated
 from contin.systems.functions.tensors import second, third
 
@@ -47,6 +48,7 @@ class Lines:
     slope: Callable[[Array, Array, Array], Array] | None = None
     wider: float = 1.0
     levels: tuple[float, ...] = ()
+    _change: GenericChange = field(default_factory=GenericChange, repr=False)
 
     def first(self, u: Array, p: Array, v: Array) -> Array:
         """D F[v]."""
@@ -67,8 +69,7 @@ class Lines:
         for j, h in enumerate(steps.tolist()):
             moved, k = (states.copy(), j) if j < n else (others.copy(), j - n)
             moved[k] += 1j * h
-            value = self.function(moved, others) if j < n else self.function(states, moved)
-            found[:, j] = np.imag(value) / h
+            found[:, j] = np.imag(self.function(moved, others) if j < n else self.function(states, moved)) / h
         return found
 
     def pure(self, u: Array, p: Array, v: Array, order: int) -> Array:
@@ -83,7 +84,8 @@ class Lines:
             def on_line(t: complex) -> Vector:
                 return np.asarray(function(u + t * along, p + t * across))
 
-            return derivative_on_circle(on_line, order, reach * self.wider, n)
+            changes = lambda: self._change.at(self.first, self.sizes, u, p)  # noqa: E731
+            return derivative_on_circle(on_line, order, reach * self.wider, n, changes=changes)
         if self.slope is not None and order > 1:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
@@ -95,9 +97,7 @@ class Lines:
         """left(D^k F[v, ..., v]), k = `order`, of a linear functional."""
         return self.functional_with_terms(left, u, p, v, order)[0]
 
-    def functional_with_terms(
-        self, left: Functional, u: Array, p: Array, v: Array, order: int
-    ) -> tuple[float, Array]:
+    def functional_with_terms(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> tuple[float, Array]:
         """`functional`, and D^k F[v, ..., v] as well as that needs it.
 
         Of an analytic F one series of numbers: how it converges is asked of what is wanted, and not of components of F

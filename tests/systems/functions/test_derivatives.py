@@ -125,3 +125,28 @@ def test_rounding_of_terms_that_cancel_asks_for_no_smaller_circles():
     found = lines.pure(np.array([0.3]), np.ones(1), np.array([1.0, 0.0]), 2)
     assert found[0] == pytest.approx(np.exp(0.3), rel=1e-7)
     assert count == 9
+
+
+@pytest.mark.parametrize("unit", [1e-30, 1.0, 1e30])
+def test_a_constraint_along_directions_that_keep_it_takes_no_circle_more(unit):
+    """Its values are rounding, which no smaller circle makes less: six circles were tried, of nine values each."""
+    g, calls = np.array([0.3, -1.7, 0.9, 2.1]), []
+
+    def function(u, p):
+        calls.append(1)
+        return np.array([np.exp(u[0]) * u[1], unit * (g @ u), 1.0 / (u[2] - p[0]), -u[3]])
+
+    def kept(x):
+        return x - g * (g @ x) / (g @ g)
+
+    lines = Lines(function, np.ones(5), True)
+    u, *directions = (kept(np.array(x)) for x in ([0.4, 1.0, 0.5, 0.0], [0.7, -0.2, 0.3, 0.5], [0.1, 0.6, -0.8, 0.2]))
+    for p, most in ((np.array([9.0]), 10), (np.array([u[2] - 0.01]), 54)):  # a pole far away, and one on the circle
+        for v in directions:  # the pole is a node of the second one's third circle
+            calls.clear()
+            with np.errstate(all="ignore"):
+                found, far = lines.pure(u, p, np.append(v, 0.0), 2), u[2] - p[0]
+            assert len(calls) <= most
+            assert found[0] == pytest.approx(np.exp(u[0]) * (v[0] ** 2 * u[1] + 2.0 * v[0] * v[1]), rel=1e-9)
+            assert abs(found[1]) < 1e-10 * unit
+            assert found[2] == pytest.approx(2.0 * v[2] ** 2 / far**3, rel=1e-7)
