@@ -14,7 +14,7 @@ def planted(a3, a5, exact=False):
     exp(T (mu - 0.3 - a +- 0.4 i)); and s' = (mu - 0.4 - a) s - s^3."""
 
     def residual(z, p):
-        x, y, w1, w2, v1, v2, s = z
+        x, y, w1, w2, v1, v2, s = z.tolist()
         mu, a, r2 = p["mu"], p["a"], x * x + y * y
         growth, pull = mu + (a3 + a) * r2 + a5 * r2 * r2, 0.5 + a + w1 * w1 + w2 * w2
         return np.array([
@@ -24,7 +24,7 @@ def planted(a3, a5, exact=False):
         ])  # fmt: skip
 
     def jacobian(z, p):
-        x, y, w1, w2, _, _, s = z
+        x, y, w1, w2, _, _, s = z.tolist()
         mu, a, r2 = p["mu"], p["a"], x * x + y * y
         growth, slope = mu + (a3 + a) * r2 + a5 * r2 * r2, 2 * (a3 + a) + 4 * a5 * r2
         pull, w12 = 0.5 + a + w1 * w1 + w2 * w2, 2 * w1 * w2

@@ -13,20 +13,20 @@ LONG = {"step": 0.1, "max_step": 0.25}  # of the range: what is between the labe
 def folding(z, p):
     """r' = r (mu + a R + 1.5 R^2 - R^3), R = r^2: folds at a = 3 R^2 - 3 R, with a cusp at R = 1/2; a plane that turns
     by half an angle, with multipliers -exp(2 pi (-0.6 +- r))."""
-    x, y = z[:2]
+    x, y, *plane = z.tolist()
     r2 = x * x + y * y
     growth = p["mu"] + p["a"] * r2 + 1.5 * r2 * r2 - r2**3
     circle = [growth * x - y, growth * y + x]
-    if len(z) == 2:
+    if not plane:
         return np.array(circle)
-    w1, w2 = z[2:]
+    w1, w2 = plane
     return np.array([*circle, (x - 0.6) * w1 + (y - 0.5) * w2, (y + 0.5) * w1 - (x + 0.6) * w2])
 
 
 def doubling_and_torus(z, p):
     """As in `test_normal_forms`, with the torus' frequency, K, the rate of the plane and a term of fifth order as
     parameters."""
-    x, y, w1, w2, v1, v2 = z
+    x, y, w1, w2, v1, v2 = z.tolist()
     k, e = p["k"], 0.5 + p["e"]
     mu, r2, w, v = p["mu"], x * x + y * y, w1 * w1 + w2 * w2, v1 * v1 + v2 * v2
     growth, speed = mu - r2 + M * (w + v), 1.0 + 0.2 * v
@@ -58,7 +58,8 @@ def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
     folds = family(problem, (-0.1, 0.3), stop_at=("LPC",), intervals=INTERVALS)
     span = {"mu": (-0.2, 0.3), "a": (-0.76, a + 0.01)}
     planted = {"CPC": 0.5} if a < -0.7 else {"LPPD": 0.36, "CPC": 0.5}
-    curve = contin.continuation(folds["LPC1"].locus(), ("mu", "a"), span, settings=LONG)
+    settings = {**LONG, "stop_at": ("CPC",)}  # behind it the curve comes back
+    curve = contin.continuation(folds["LPC1"].locus(), ("mu", "a"), span, settings=settings)
     for point in found_on(curve, list(planted)):
         r2 = planted[point.type]
         assert abs(point.values["a"] - (3 * r2 * r2 - 3 * r2)) < point.error < MESH
@@ -71,18 +72,19 @@ def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
     assert not any("unstable changes" in note for note in curve.notes)
 
 
+def doubled_and_torus(**settings):
+    problem = function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34, "q": 0.0})
+    return family(problem, (-0.1, 0.32), intervals=INTERVALS, **settings)
+
+
 @pytest.fixture(scope="module")
 def planted():
-    return family(
-        function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34, "q": 0.0}),
-        (-0.1, 0.32),
-        intervals=INTERVALS,
-    )
+    return doubled_and_torus(stop_at=("PD",))
 
 
 def test_a_generalised_period_doubling(planted):
     """c = M/(2 r) - k vanishes at r = 1/2; r = sqrt(mu + M w^2) has -M^2/(8 r^3) w^4."""
-    span = {"mu": (0.1, 0.5), "k": (0.64, 0.75)}
+    span = {"mu": (0.1, 0.5), "k": (0.645, 0.72)}
     curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), span, settings=LONG)
     (point,) = found_on(curve, ["GPD"])
     assert abs(point.values["k"] - M) < point.error < MESH
@@ -90,8 +92,9 @@ def test_a_generalised_period_doubling(planted):
 
 
 @pytest.mark.long
-def test_a_1_to_3_resonance(planted):
-    curve = contin.continuation(planted["NS1"].locus(), ("mu", "omega"), {"mu": (0.1, 0.5), "omega": (0.32, 0.35)})
+def test_a_1_to_3_resonance():
+    torus = doubled_and_torus()["NS1"]
+    curve = contin.continuation(torus.locus(), ("mu", "omega"), {"mu": (0.1, 0.5), "omega": (0.32, 0.35)})
     (point,) = found_on(curve, ["R3"])
     assert abs(point.values["omega"] - 1.0 / 3.0) < point.error < MESH
     agrees(point, B=0.0)  # it turns as it is

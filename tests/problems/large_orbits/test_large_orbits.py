@@ -150,9 +150,8 @@ def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_cu
 
 def test_the_period_converges_with_the_fifth_power():
     errors = []
+    line = contin.continuation(landau(6, "fourier"), "mu", (-0.2, 0.3), settings={"stop_at": ("HB",)})
     for intervals in (6, 12):
-        problem = landau(6, "fourier")
-        line = contin.continuation(problem, "mu", (-0.2, 0.3))
         found = contin.continuation(
             line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 3, "intervals": intervals}
         )

@@ -27,7 +27,7 @@ def turning(shear, real=False):
     """r' = r (mu + r^2 - r^4), angle' = 1 + shear r^2; and a state that follows. `real`: refuses complex numbers."""
 
     def residual(z, p):
-        x, y, s = (float(each) for each in z) if real else z
+        x, y, s = (float(each) for each in z) if real else z.tolist()
         r2 = x * x + y * y
         growth, speed = p["mu"] + r2 - r2 * r2, 1.0 + shear * r2
         return np.array([growth * x - speed * y, growth * y + speed * x, -2.0 * s + x * s + x * y * y])
@@ -59,7 +59,7 @@ def test_b_of_a_fold_of_cycles_whose_period_does_not_change():
     """r'' = 2 r (1 - ..): b = -sqrt(2) for v of radial length 1, its sign that of v."""
 
     def residual(z, p):
-        x, y = z
+        x, y = z.tolist()
         growth = p["mu"] + x * x + y * y - (x * x + y * y) ** 2
         return np.array([growth * x - y, growth * y + x])
 
@@ -74,7 +74,7 @@ K, M, TURNS, GAIN = 0.3, 0.7, 0.4, 0.25
 def doubling_and_torus(z, p):
     """A plane that turns by half an angle, w' = (r - 1/2) p - K p^3 along p, and V' = (mu - 0.3 + 0.4 i) V
     - (K + i TURNS) |V|^2 V + GAIN (r^2 - mu) V; r^2 = mu + M (|w|^2 + |V|^2) and the angle's speed depends on |V|^2."""
-    x, y, w1, w2, v1, v2 = z
+    x, y, w1, w2, v1, v2 = z.tolist()
     mu, r2, w, v = p["mu"], x * x + y * y, w1 * w1 + w2 * w2, v1 * v1 + v2 * v2
     growth, speed = mu - r2 + M * (w + v), 1.0 + 0.2 * v
     gain = mu - 0.3 + GAIN * (r2 - mu) - K * v
@@ -99,10 +99,10 @@ def test_c_of_a_period_doubling_and_d_of_a_torus_bifurcation():
 
 
 def test_the_doubling_of_roesslers_cycle_in_turned_coordinates_is_that_of_the_small_collocation():
-    turned = np.linalg.qr(np.random.default_rng(1).normal(size=(5, 5)))[0]
+    turned = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0]
 
     def residual(z, p):
-        x, y, s, *others = turned.T @ z
+        x, y, s, *others = (turned.T @ z).tolist()
         return turned @ [
             -y - s,
             x + p["a"] * y,
@@ -112,8 +112,8 @@ def test_the_doubling_of_roesslers_cycle_in_turned_coordinates_is_that_of_the_sm
 
     a = 0.1
     s = (4 - np.sqrt(16 - 8 * a)) / (2 * a)
-    start = turned @ [a * s, -s, s, 0.0, 0.0]
-    large = contin.FunctionProblem(residual, start, {"a": a}, sparsity=sparse.csc_matrix(np.ones((5, 5))))
+    start = turned @ [a * s, -s, s, 0.0]
+    large = contin.FunctionProblem(residual, start, {"a": a}, sparsity=sparse.csc_matrix(np.ones((4, 4))))
     model = contin.load("classics/roessler")
     points = []
     for problem in (large, contin.equilibrium(model, start="inner", parameters={"a": a})):
@@ -130,7 +130,7 @@ PARTING = {"e": 1.0, "d": 1.0}
 
 def parting(z, p):
     """s leaves a circle that it moves, r^2 = mu + d s: s' = (mu - 0.4) s - e s^2 - s^3."""
-    x, y, s = z
+    x, y, s = z.tolist()
     growth = p["mu"] + p["d"] * s - x * x - y * y
     return np.array([growth * x - y, growth * y + x, (p["mu"] - 0.4) * s - p["e"] * s * s - s**3])
 
@@ -139,7 +139,8 @@ def parting(z, p):
 def test_kind_and_slope_of_a_branch_point_of_cycles(e):
     """The families part by s (d/(2 r), 1), mu - 0.4 = e s."""
     slope = e / np.sqrt(1.0 + PARTING["d"] ** 2 / (4.0 * 0.4))
-    found = family(function(parting, 3, {"mu": -0.5, **PARTING, "e": e}), (-0.1, 0.45))
+    problem = function(parting, 3, {"mu": -0.5, **PARTING, "e": e})
+    found = family(problem, (-0.1, 0.45), stop_at=("BPC",))
     form = found["BPC1"].normal_form
     assert form["kind"] == ("transcritical" if e else "pitchfork")
     assert abs(form["slope"] - slope) < form["errors"]["slope"] < 1e-5

@@ -20,13 +20,13 @@ def circle(x, y, mu):
 
 def beside_a_fold(z, p):
     """A plane v'' = k + s v' + v^2 + v v'/2: NS at s = -v/2, k = -v^2, whose flow has a Bogdanov-Takens point at 0."""
-    x, y, v, w = z
+    x, y, v, w = z.tolist()
     return np.array([*circle(x, y, p["mu"]), w, p["k"] + (p["mu"] - BORN) * w + v * v + 0.5 * v * w])
 
 
 def half_turned(z, p):
     """w = R(phi/2) y, y' = s y + r diag(1, -1) y + h J y - |y|^2 y: multipliers -exp(2 pi (s +- sqrt(r^2 - h^2)))."""
-    x, y, v, w = z
+    x, y, v, w = z.tolist()
     s, h = p["mu"] - BORN - v * v - w * w, p["h"] + 0.5
     return np.array([*circle(x, y, p["mu"]), s * v + x * v + y * w - h * w, s * w + y * v - x * w + h * v])
 
@@ -38,7 +38,7 @@ C4, D4 = -0.7 - 0.4j, 0.3
 def two_planes_and_a_fold(z, p):
     """Turned by a constant matrix: v' = (s + i omega) v + C4 |v|^2 v + D4 (x + i y) conj(v)^3, a second plane with
     s - e and frequency .17, and u' = k + u^2."""
-    x, y, *rest, u = TURNED.T @ z
+    x, y, *rest, u = (TURNED.T @ z).tolist()
     s, parts = p["mu"] - BORN, []
     for (v, w), gain, turn, last in ((rest[:2], s, p["omega"], D4), (rest[2:], s - p["e"], 0.17, 0.0)):
         q = v * v + w * w
@@ -103,7 +103,7 @@ def test_a_curve_of_folds_along_which_the_second_parameter_turns():
     """r' = r (mu - a^2 + a/5 + R - R^2), R = r^2: folds at mu = -1/4 + a^2 - a/5."""
 
     def residual(z, p):
-        x, y = z
+        x, y = z.tolist()
         r2 = x * x + y * y
         growth = p["mu"] - p["a"] ** 2 + 0.2 * p["a"] + r2 - r2 * r2
         return np.array([growth * x - y, growth * y + x])

@@ -95,12 +95,13 @@ def test_a_family_is_born_whatever_the_phases_of_its_states():
 
 
 def test_multipliers_of_a_uniform_oscillation_are_those_in_closed_form():
-    line = contin.continuation(landau(24, "differences"), "mu", (-0.2, 0.3))
-    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 5, "method": "shooting"})
+    points = 12
+    line = contin.continuation(landau(points, "differences"), "mu", (-0.2, 0.3), settings={"stop_at": ("HB",)})
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 3, "method": "shooting"})
     mu = float(found.columns["mu"][-1])
     period = 2 * np.pi / (1 + 0.8 * mu)
     assert found.columns["period"][-1] == pytest.approx(period, rel=ERROR)
-    q = (2 - 2 * np.cos(np.pi / 12)) * (12 / np.pi) ** 2  # wave number 1
+    q = (2 - 2 * np.cos(2 * np.pi / points)) * (points / (2 * np.pi)) ** 2  # wave number 1
     root = np.sqrt(complex(mu**2 + 0.8 * mu * q - 0.25 * q * q))
     exact = np.sort([np.exp(-2 * mu * period), *2 * [abs(np.exp(period * (-mu - q + root)))]])[::-1]
     np.testing.assert_allclose(np.abs(found.eigenvalues[-1][1:4]), exact, atol=ERROR)
@@ -197,10 +198,9 @@ def test_modulated_waves_of_the_kuramoto_sivashinsky_equation_return_moved_along
         "equations": {"u": "-nu*dxxxx(u) - dxx(u) - u*dx(u)"},
         "conserved": {"u": 0}, "travelling": {"axis": "x", "like": {"u": "-sin(x) - sin(2*x)"}},
     })  # fmt: skip
-    standing = contin.continuation(flame, "nu", (0.28, 0.95), settings={"steps": 40})
-    waves = contin.continuation(standing["BP1"].switch(), "nu", (0.2, 0.95), settings={"steps": 60})
-    hopf = next(p for p in waves.points if p.type == "HB")
-    found = contin.continuation(hopf.switch(), "nu", (0.2, 0.3), settings={"steps": 5, "method": "shooting"})
+    standing = contin.continuation(flame, "nu", (0.28, 0.95), settings={"stop_at": ("BP",)})
+    waves = contin.continuation(standing["BP1"].switch(), "nu", (0.2, 0.95), settings={"stop_at": ("HB",)})
+    found = contin.continuation(waves["HB1"].switch(), "nu", (0.2, 0.3), settings={"steps": 2, "method": "shooting"})
     z = found.z[-1]
     nu, period, start = z[-1], z[-2], found.problem.beginning(z)
     k = np.fft.fftfreq(24, 1 / 24)
