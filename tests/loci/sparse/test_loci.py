@@ -10,6 +10,7 @@ from contin.errors import InputError
 from tests.loci.equilibria.planes import BOGDANOV_TAKENS, BOX, DOUBLE_HOPF, follow, found, zero_hopf
 
 NEAR = {"p": (-0.8, 0.6), "q": (-0.6, 0.4)}  # about the points of codimension two
+WIDE = {"max_step": 0.25}  # of the range: curves are looked at by their labels and closed forms
 
 
 def laplacian(n):
@@ -58,7 +59,8 @@ def brusselator(m):
 
 def fold_curve(n, sparse):
     line = contin.continuation(combustion(n, sparse), "lam", (0, 6), settings={"stop_at": ("LP",)})
-    return contin.continuation(line["LP1"].locus(), ["lam", "e"], {"lam": (2, 10), "e": (0, 0.4)})
+    span = {"lam": (2, 10), "e": (0, 0.4)}
+    return contin.continuation(line["LP1"].locus(), ["lam", "e"], span, settings={"stop_at": ("CP",)})
 
 
 def test_the_cusp_of_the_combustion_problem_is_that_of_the_dense_method():
@@ -77,8 +79,9 @@ def test_the_cusp_of_the_discretised_problem_converges_with_second_order():
 @pytest.mark.parametrize("m", [40])
 def test_hopf_points_of_the_brusselator_lie_on_their_curve(m):
     """One half-wave: B = 1 + A^2 + (Dx + Dy) k, k = 4 (m+1)^2 sin^2(pi/(2 (m+1)))/l^2."""
-    line = contin.continuation(brusselator(m), "B", (5.0, 6.0))
-    curve = contin.continuation(line["HB1"].locus(), ["B", "l"], {"B": (5, 7), "l": (0.5, 2.0)})
+    line = contin.continuation(brusselator(m), "B", (5.0, 6.0), settings={"stop_at": ("HB",)})
+    span = {"B": (5, 7), "l": (0.5, 2.0)}
+    curve = contin.continuation(line["HB1"].locus(), ["B", "l"], span, settings={"max_step": 0.25})
     wave = 4 * (m + 1) ** 2 * np.sin(np.pi / 2 / (m + 1)) ** 2 / curve.columns["l"] ** 2
     np.testing.assert_allclose(curve.columns["B"], 5 + 0.012 * wave, rtol=1e-11)
     assert not any(curve.columns["neutral"])
@@ -119,7 +122,7 @@ def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):
     small, large = plane.line(6), as_large(plane)
     assert [p.type for p in large.points] == [p.type for p in small.points]
     for a, b in zip(large.points, small.points, strict=True):
-        ours, theirs = follow(a, box=NEAR), follow(b, box=NEAR)
+        ours, theirs = (follow(point, box=NEAR, settings=WIDE) for point in (a, b))
         assert len(found(ours)) == len(found(theirs)) > 0
         for one, other in zip(found(ours), found(theirs), strict=True):
             assert one[0] == other[0]
@@ -128,12 +131,12 @@ def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):
 
 def test_from_bt_to_the_other_curve():
     line = as_large(BOGDANOV_TAKENS)
-    folds = follow(line["LP1"], box=NEAR)
-    hopf = contin.continuation(folds["BT1"].locus(), ["p", "q"], NEAR)
+    folds = follow(line["LP1"], box=NEAR, settings={"stop_at": ("BT",)})
+    hopf = contin.continuation(folds["BT1"].locus(), ["p", "q"], NEAR, settings=WIDE)
     assert hopf.locus == "HB"
     np.testing.assert_allclose(hopf.columns["p"], 0.0, atol=1e-8)
     assert min(hopf.columns["kappa"]) < 0.0 < max(hopf.columns["kappa"])
-    again = contin.continuation(hopf["BT1"].locus(), ["p", "q"], NEAR)
+    again = contin.continuation(hopf["BT1"].locus(), ["p", "q"], NEAR, settings=WIDE)
     assert again.locus == "LP"
     np.testing.assert_allclose(again.columns["p"], again.columns["q"] ** 2 / 4, atol=1e-8)
 

@@ -9,12 +9,12 @@ import scipy.sparse as sp
 import contin
 from contin import api
 
-MULTIPLICITIES = (1, 2, 3, 1, 4)
+MULTIPLICITIES = (1, 2, 4)
 
 
 def uncoupled(sparse: bool, stable: int, turned: int | None = None):
     """u' = (lam - c) u - u^3, or the same in turned coordinates; every c with its multiplicity, and stable states."""
-    c = np.concatenate([np.repeat(0.3 * np.arange(1, 6), MULTIPLICITIES), np.linspace(4.0, 20.0, stable)])
+    c = np.concatenate([np.repeat(0.3 * np.arange(1, 4), MULTIPLICITIES), np.linspace(4.0, 20.0, stable)])
     n = len(c)
     q = np.eye(n) if turned is None else np.linalg.qr(np.random.default_rng(turned).normal(size=(n, n)))[0]
 
@@ -32,7 +32,7 @@ def uncoupled(sparse: bool, stable: int, turned: int | None = None):
 
 @pytest.mark.parametrize(("stable", "turned"), [pytest.param(5, None, marks=pytest.mark.long), (40, None), (20, 3)])
 def test_every_multiplicity_is_seen_at_its_place(stable, turned):
-    line = api.continuation(uncoupled(True, stable, turned), "lam", (0.0, 1.7))
+    line = api.continuation(uncoupled(True, stable, turned), "lam", (0.0, 1.1))
     assert [point.type for point in line.points] == ["BP"] * len(MULTIPLICITIES)
     assert tuple(point.vectors["kernel"] for point in line.points) == MULTIPLICITIES
     for k, point in enumerate(line.points, 1):
@@ -60,17 +60,17 @@ def test_the_double_and_simple_modes_of_a_square_are_told_apart():
 
     Constant solutions lam = u exp(-u) lose stability where 10 (u - 1) is an eigenvalue of -laplace.
     """
-    m = 20
+    m = 12
     h = 1.0 / (m - 1)
     line = sp.diags([np.ones(m - 1), -2 * np.ones(m), np.ones(m - 1)], [-1, 0, 1]).tolil()
     line[0, 0] = line[-1, -1] = -1
     one = sp.identity(m)
     laplace = ((sp.kron(one, line) + sp.kron(line, one)) / h**2).tocsc()
     model = contin.FunctionProblem(
-        lambda u, p: laplace @ u - 10 * (u - p["lam"] * np.exp(u)), 0.1 * np.ones(m * m), {"lam": 0.05},
+        lambda u, p: laplace @ u - 10 * (u - p["lam"] * np.exp(u)), 0.15 * np.ones(m * m), {"lam": 0.13},
         lambda u, p: (laplace + sp.diags(10 * p["lam"] * np.exp(u) - 10)).tocsc(),
     )  # fmt: skip
-    branch = api.continuation(model, "lam", (0.05, 0.4), settings={"steps": 90})
+    branch = api.continuation(model, "lam", (0.12, 0.4), settings={"steps": 90})
     waves = (2 - 2 * np.cos(np.pi * np.arange(3) / m)) / h**2
     expected = [(waves[1], 2), (2 * waves[1], 1)]
     found = [point for point in branch.points if point.type == "BP"]

@@ -24,6 +24,7 @@ PLANES = [
 ]
 DECIDED = ("errors", "criticality", "kind", "case", "at")
 FEW = {"max_step": 0.15}  # of the range: curves are compared by their labels
+ABOUT = {BOGDANOV_TAKENS.field: {"stop_at": ("BT",), "max_step": 0.25}}  # from where its curves begin to their point
 
 
 def weighed(function: contin.FunctionProblem, mass, **more) -> contin.FunctionProblem:
@@ -58,7 +59,7 @@ def assert_alike(ours, theirs, digits: float = 1e-9) -> list[str]:
 @pytest.mark.parametrize("m", [20, 31])  # all eigenvalues; Arnoldi's method
 def test_a_regular_mass_matrix_changes_no_label_and_no_coefficient(m):
     plain = brusselator(m)
-    lines = [contin.continuation(f, "B", (5.0, 6.5)) for f in (weighed(plain, regular(2 * m)), plain)]
+    lines = [contin.continuation(f, "B", (5.0, 5.3)) for f in (weighed(plain, regular(2 * m)), plain)]
     assert "HB" in assert_alike(*lines)
 
 
@@ -66,7 +67,8 @@ def test_a_regular_mass_matrix_changes_no_curve_of_folds():
     plain, curves = combustion(70), []
     for f in (weighed(plain, regular(70)), plain):
         fold = contin.continuation(f, "lam", (0, 6), settings={"stop_at": ("LP",)})["LP1"]
-        curves.append(contin.continuation(fold.locus(), ["lam", "e"], {"lam": (2, 10), "e": (0, 0.4)}, settings=FEW))
+        span, settings = {"lam": (2, 10), "e": (0, 0.4)}, {**FEW, "stop_at": ("CP",)}
+        curves.append(contin.continuation(fold.locus(), ["lam", "e"], span, settings=settings))
     assert assert_alike(*curves) == ["CP"]
 
 
@@ -84,7 +86,7 @@ def same_in_the_plane(plane, changed) -> list[str]:
     heavy = contin.continuation(changed(plain.problem.system.model), "p", (plane.box or BOX)["p"])
     seen = assert_alike(heavy, plain)
     for point, curve in zip(heavy.points, curves, strict=True):
-        seen += assert_alike(follow(point, box=NEAR, settings=FEW), curve)
+        seen += assert_alike(follow(point, box=NEAR, settings=ABOUT.get(plane.field, FEW)), curve)
     return seen
 
 
@@ -94,8 +96,8 @@ _without_mass = {}
 def without_mass(plane):
     """The line of the plain function and the curves of its points, followed once for all mass matrices."""
     if plane.field not in _without_mass:
-        plain = as_large(plane)
-        _without_mass[plane.field] = plain, [follow(point, box=NEAR, settings=FEW) for point in plain.points]
+        plain, settings = as_large(plane), ABOUT.get(plane.field, FEW)
+        _without_mass[plane.field] = plain, [follow(point, box=NEAR, settings=settings) for point in plain.points]
     return _without_mass[plane.field]
 
 
@@ -126,17 +128,16 @@ def incompressible(function: contin.FunctionProblem, constraints: int = 2) -> co
     z, g = turn[:, :n], turn[:, n:] @ (np.eye(k) + 0.3 * random.normal(size=(k, k)))
     root = np.eye(n + k) + 0.2 * random.normal(size=(n + k, n + k)) / np.sqrt(n + k)
     m = root @ root.T
+    along, away = m @ z, 2.0 * (m - m @ z @ z.T)
 
     def residual(u, p):
         v, q = u[: n + k], u[n + k :]
-        beside = v - z @ (z.T @ v)
-        forces = m @ (z @ function.residual(z.T @ v, p) - 2.0 * beside) + g @ (q + v[:k] ** 2 - 0.3)
+        forces = along @ function.residual(z.T @ v, p) - away @ v + g @ (q + v[:k] ** 2 - 0.3)
         return np.concatenate([forces, g.T @ v])
 
     def jacobian(u, p):
         v = u[: n + k]
-        slope = function.jacobian(z.T @ v, p)
-        a = m @ (z @ (slope @ z.T) - 2.0 * (np.eye(n + k) - z @ z.T))
+        a = along @ (function.jacobian(z.T @ v, p) @ z.T) - away
         a[:, :k] += 2.0 * g * v[:k]
         return sp.csc_matrix(np.block([[a, g], [g.T, np.zeros((k, k))]]))
 
@@ -161,7 +162,7 @@ def test_singular_mass_matrices_have_the_points_of_the_reduced_flow(plane, expec
 
 def test_an_incompressible_flow_of_many_unknowns_has_the_labels_of_the_reduced_one():
     plain = brusselator(30)
-    lines = [contin.continuation(f, "B", (5.0, 6.0)) for f in (incompressible(plain, 10), plain)]
+    lines = [contin.continuation(f, "B", (5.0, 5.3)) for f in (incompressible(plain, 10), plain)]
     assert "HB" in assert_alike(*lines)
 
 
@@ -244,7 +245,7 @@ def bratu_by(elements: bool, n: int) -> contin.FunctionProblem:
 def test_folds_and_eigenvalues_of_linear_elements_converge_with_second_order(elements):
     exact, off, rates = 3.513830719125162, [], []
     for n in (15, 31, 63):
-        line = contin.continuation(bratu_by(elements, n), "p", (0, 4))
+        line = contin.continuation(bratu_by(elements, n), "p", (0, 4), settings={"stop_at": ("LP",)})
         off.append(line["LP1"].values["p"] - exact)
         rates.append(float(np.nanmax(line.eigenvalues[0].real)) + np.pi**2)
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.03)
@@ -273,7 +274,7 @@ def test_orbits_with_a_singular_mass_matrix_are_those_of_the_reduced_flow(change
         )
 
     flow = contin.FunctionProblem(residual, np.zeros(2), {"mu": -0.2}, jacobian, states=["x", "y"])
-    rest = contin.continuation(changed(flow), "mu", (-0.2, 0.5))
+    rest = contin.continuation(changed(flow), "mu", (-0.2, 0.1))
     assert rest["HB1"].normal_form["l1"] == pytest.approx(-2.0, abs=1e-7)
     family = contin.continuation(rest["HB1"].switch(), "mu", (-0.2, 0.5), settings={"steps": 12})
     mu, period = family.columns["mu"], family.columns["period"]
@@ -371,7 +372,8 @@ def test_a_generalised_hopf_point_has_the_second_coefficient_of_the_reduced_flow
     flow = contin.FunctionProblem(residual, np.zeros(2), {"mu": -0.1, "b": 1.0}, jacobian)
     line = contin.continuation(changed(flow), "mu", (-1, 1))
     assert line["HB1"].normal_form["l1"] == pytest.approx(2.0, abs=1e-7)
-    curve = contin.continuation(line["HB1"].locus(["mu", "b"]), ["mu", "b"], {"mu": (-1, 1), "b": (-1, 1.5)})
+    span = {"mu": (-1, 1), "b": (-0.3, 1.05)}
+    curve = contin.continuation(line["HB1"].locus(["mu", "b"]), ["mu", "b"], span, settings={"stop_at": ("GH",)})
     assert [p.type for p in curve.points] == ["GH"]
     assert curve["GH1"].values["b"] == pytest.approx(0.0, abs=1e-9)
     assert curve["GH1"].normal_form["l2"] == pytest.approx(-4.0, abs=1e-7)

@@ -57,7 +57,8 @@ def test_a_pair_beyond_what_is_computed_from_zero_is_seen():
         return sparse.block_diag([columns[:2], rest], format="csc")
 
     line = contin.continuation(
-        contin.FunctionProblem(applied.residual, np.zeros(n), {"p": -0.5}, jacobian), "p", (-0.6, 0.7)
+        contin.FunctionProblem(applied.residual, np.zeros(n), {"p": -0.5}, jacobian), "p", (-0.6, 0.7),
+        settings={"max_step": 0.4},
     )
     (point,) = line.points
     assert point.type == "HB"

@@ -30,7 +30,7 @@ def test_folds_of_snaking_states_are_the_published_ones_and_change_one_eigenvalu
         lambda u, p: p["r"] * u - operator @ u + 1.8 * u * u - u**3, 1.6 * np.cos(x) / np.cosh(x / 6.0), {"r": -0.3},
         lambda u, p: (p["r"] * one - operator + sp.diags(3.6 * u - 3.0 * u * u)).tocsc(),
     )  # fmt: skip
-    line = contin.continuation(contin.equilibrium(problem), "r", (-0.36, -0.2), settings={"steps": 24})
+    line = contin.continuation(contin.equilibrium(problem), "r", (-0.36, -0.2), settings={"steps": 16})
     folds = sorted(point.values["r"] for point in line.points)
     assert [point.type for point in line.points] == ["LP"] * len(folds)
     assert folds[0] == pytest.approx(-0.3390, abs=1e-4)

@@ -79,7 +79,7 @@ def bratu(n, **given):
 
 @pytest.mark.parametrize("way", ["sparse", "coloured", "matrix-free", "products"])
 def test_bratu_fold_is_that_of_the_discretised_problem(way):
-    n = 400
+    n = 150
     problem = bratu(n, way=way)
     assert problem.method == ("sparse" if way in ("sparse", "coloured") else "matrix-free")
     branch = api.continuation(problem, "p", (0.0, 4.0), direction="up", settings={"steps": 46})
@@ -93,15 +93,16 @@ def test_bratu_fold_is_that_of_the_discretised_problem(way):
 
 def test_the_fold_converges_with_second_order_and_the_dense_method_agrees():
     values = []
+    to_fold = {"stop_at": ("LP",)}
     for n in (50, 100, 200):
-        branch = api.continuation(bratu(n), "p", (0.0, 4.0), direction="up", settings={"steps": 46})
+        branch = api.continuation(bratu(n), "p", (0.0, 4.0), direction="up", settings=to_fold)
         values.append(branch["LP1"].values["p"])
         if n == 50:
             problem = bratu(n)
             dense = contin.FunctionProblem(
                 problem.residual, np.zeros(n), {"p": 0.0}, lambda u, p, given=problem.jacobian: given(u, p).toarray()
             )
-            reference = api.continuation(dense, "p", (0.0, 4.0), direction="up", settings={"steps": 150})["LP1"]
+            reference = api.continuation(dense, "p", (0.0, 4.0), direction="up", settings=to_fold)["LP1"]
             assert values[0] == pytest.approx(reference.values["p"], abs=1e-11)
             ours = branch["LP1"].normal_form["a"]
             assert abs(ours) == pytest.approx(abs(reference.normal_form["a"]), rel=1e-6)
@@ -216,11 +217,12 @@ def test_pitchforks_and_switched_branches(factored):
 
 
 def test_branch_point_coefficients_are_those_of_the_dense_method():
+    first = {"stop_at": ("BP",)}
     for quadratic in (0.0, 0.5):
         large, _ = chafee_infante(30, quadratic=quadratic)
         dense, _ = chafee_infante(30, dense=True, quadratic=quadratic)
-        ours = api.continuation(large, "p", (1.0, 20.0), direction="up")["BP1"]
-        reference = api.continuation(dense, "p", (1.0, 20.0), direction="up")["BP1"]
+        ours = api.continuation(large, "p", (1.0, 20.0), direction="up", settings=first)["BP1"]
+        reference = api.continuation(dense, "p", (1.0, 20.0), direction="up", settings=first)["BP1"]
         assert ours.values["p"] == pytest.approx(reference.values["p"], abs=1e-10)
         assert ours.normal_form["kind"] == reference.normal_form["kind"]
         assert ours.normal_form["kind"] == ("transcritical" if quadratic else "pitchfork")

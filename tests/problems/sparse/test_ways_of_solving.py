@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 import contin
 
-N = 16
+N = 10
 
 
 def cells(way):
