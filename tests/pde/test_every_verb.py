@@ -44,7 +44,7 @@ def born(model):
 
 
 def box(model, **more):
-    return contin.phase(model, ["mu", "A"], {"mu": (-0.4, -0.3), "A": (0.4, 0.5)}, settings={"steps": 30}, **more)
+    return contin.phase(model, ["mu", "A"], {"mu": (-0.5, -0.4), "A": (0.45, 0.5)}, settings={"steps": 5}, **more)
 
 
 TAKEN = {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import exp
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,6 +12,8 @@ import contin
 from contin.model.model import Model
 
 RATE = 0.5
+TIMES = np.logspace(-7, 2, 2000)
+DECAY = {rate: np.exp(-rate * TIMES) for rate in (RATE, 1.0, RATE + 1.0, 2.0)}
 
 
 def flown(T: float, S: float, mixing: float, e: float) -> tuple[float, float, float]:
@@ -17,18 +21,18 @@ def flown(T: float, S: float, mixing: float, e: float) -> tuple[float, float, fl
     rest = 1.0 / (1.0 + mixing), RATE / (RATE + mixing)
 
     def at(t: float) -> tuple[float, float]:
-        decay = np.exp(-(1.0 + mixing) * t), np.exp(-(RATE + mixing) * t)
+        decay = exp(-(1.0 + mixing) * t), exp(-(RATE + mixing) * t)
         return rest[0] + (T - rest[0]) * decay[0], rest[1] + (S - rest[1]) * decay[1]
 
     def height(t: float) -> float:
         there = at(t)
         return float(there[1] - there[0] - e)
 
-    times = np.logspace(-7, 2, 2000)
-    away = np.array([height(t) for t in times]) * (1.0 if mixing else -1.0) > 0.0
+    heights = (rest[1] - rest[0] - e) + (S - rest[1]) * DECAY[RATE + mixing] - (T - rest[0]) * DECAY[1.0 + mixing]
+    away = heights * (1.0 if mixing else -1.0) > 0.0
     first = int(np.argmax(away))
     back = first + int(np.argmin(away[first:]))
-    t = float(brentq(height, times[back - 1], times[back], xtol=1e-15))
+    t = float(brentq(height, TIMES[back - 1], TIMES[back], xtol=1e-15))
     return t, *at(t)
 
 

@@ -59,7 +59,7 @@ def antisymmetric(c, sign):
 def test_two_coupled_relays_branch_in_two_close_pairs_where_their_difference_says():
     roots = []
     for sign in (1.0, -1.0):
-        c = np.linspace(0.2, 6.0, 4001)
+        c = np.linspace(0.2, 6.0, 401)
         values = np.array([antisymmetric(x, sign) for x in c])
         roots += [
             brentq(antisymmetric, c[i], c[i + 1], args=(sign,), xtol=1e-14)
