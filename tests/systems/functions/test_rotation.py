@@ -185,7 +185,7 @@ def test_waves_that_pulsate_return_turned_and_start_from_samples_of_the_function
     state back turned by the mean of the rate; the orbit through its samples has the same period."""
     flames = Flames(8)
     line = contin.continuation(flames.problem(TW1), "L", (18.5, 22.0), settings={"steps": 8, "max_step": 3.0})
-    waves = contin.continuation(line["HB1"].switch(), "L", (18.0, 20.0), settings={"steps": 4})
+    waves = contin.continuation(line["HB1"].switch(), "L", (18.0, 20.0), settings={"steps": 2})
     z = waves.z[-1]
     orbit, p = waves.problem.profile(z), {"L": float(z[-1])}
     run = solve_ivp(
