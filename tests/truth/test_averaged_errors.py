@@ -24,9 +24,10 @@ def slow(force: str, parameters: dict[str, float], form: str) -> Model:
     return contin.average(model, form=form, reach=25.0)
 
 
-def folds(model: Model, form: str, a: float, bounds: tuple[float, float], r: float) -> list:
+def folds(model: Model, form: str, a: float, bounds: tuple[float, float], r: float, **settings) -> list:
     start = {"r": r} if form == "polar" else {"u1": r, "v1": 0.0}
-    line = contin.continuation(contin.equilibrium(model, start=start, parameters={"a": a}), "a", bounds)
+    start = contin.equilibrium(model, start=start, parameters={"a": a})
+    line = contin.continuation(start, "a", bounds, settings=settings)
     return [point for point in line.points if point.type == "LP"]
 
 
@@ -42,8 +43,8 @@ def test_folds_of_a_gaussian_damping_are_where_bessel_functions_say(form, k):
         )
         at = mp.findroot(lambda r: mp.diff(parameter, r), mpf(15))
         exact = parameter(at)
-    start = 2.0
-    (point,) = folds(model, form, float(parameter(start)), (0.01, 1.0), start)
+    start = 8.0
+    (point,) = folds(model, form, float(parameter(start)), (0.01, 1.0), start, stop_at=("LP",))
     assert abs(mpf(point.values["a"]) - exact) <= point.error
     assert point.error < 1e-9
 
@@ -85,7 +86,7 @@ def test_cusps_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
     model = slow("a*y - y*cos(1.3*x) - c*y^3 - d*x", {"a": 0.9, "c": 0, "d": 1.0}, "cartesian")
     settings = {"method": method}
     line = contin.continuation(contin.equilibrium(model, start={"u1": 0, "v1": 0}), "a", (0.8, 1.1))
-    family = contin.continuation(line["HB1"].switch(), "a", (-0.5, 1.1), settings={**settings, "steps": 120})
+    family = contin.continuation(line["HB1"].switch(), "a", (-0.5, 1.1), settings={**settings, "stop_at": ("LPC",)})
     bounds = {"a": (-0.5, 0.5), "c": (-0.03, 0.001)}
     curve = contin.continuation(family["LPC1"].locus(), ("a", "c"), bounds, settings=settings)
     assert {point.type for point in curve.points} == {"CPC"}

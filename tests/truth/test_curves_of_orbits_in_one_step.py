@@ -24,7 +24,8 @@ def test_three_generalised_doublings_are_labels_at_their_places_or_a_note(e):
     )  # fmt: skip
     t = np.linspace(0.0, 2.0 * np.pi, 101)
     points = np.column_stack([np.cos(t), np.sin(t), np.zeros((101, 2))])
-    family = contin.continuation(contin.periodic_orbit(model, points, period=2.0 * np.pi), "p", (-0.3, 0.3))
+    orbit = contin.periodic_orbit(model, points, period=2.0 * np.pi)
+    family = contin.continuation(orbit, "p", (-0.3, 0.3), settings={"stop_at": ("PD",)})
     curve = contin.continuation(family["PD1"].locus(), ("p", "q"), {"p": (-1, 1), "q": (-1, 1)})
     assert {point.type for point in curve.points} == {"GPD"}
     for point in curve.points:

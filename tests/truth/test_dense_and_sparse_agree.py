@@ -63,10 +63,13 @@ def assert_alike(dense, large, types=None):
                 assert forms[1][key] == value, (one.label, key)
 
 
+@pytest.mark.parametrize(
+    "seeds", [(300, 303), pytest.param(range(300, 306), marks=pytest.mark.long)], ids=["few", "more"]
+)
 @pytest.mark.parametrize("zero", [False, True], ids=["forced", "with a state zero"])
-def test_points_of_random_systems_are_those_of_the_dense_methods(zero):
+def test_points_of_random_systems_are_those_of_the_dense_methods(zero, seeds):
     seen = set()
-    for seed in range(300, 306):
+    for seed in seeds:
         dense, large = (
             contin.continuation(system(seed, zero, is_sparse), "lam", (-1.5, 1.5), settings={"steps": 200})
             for is_sparse in (False, True)
