@@ -44,8 +44,8 @@ def longest(m, n):
     return RESOLVED * math.sqrt(top / bottom) if bottom > 0.0 and top > 0.0 else math.inf
 
 
-@allocating("Flow, FlightMemory, f1, f1, f1, f1, i, b, f1, f2, f2, f2, i1 -> i")
-def fly(flow, m, y, controls, atol, box, max_steps, started, times, samples, events, crossings, counts):
+@allocating("Flow, FlightMemory, f1, f1, f1, f1, i, b, f1, f2, f2, f2, i1, f1 -> i")
+def fly(flow, m, y, controls, atol, box, max_steps, started, times, samples, events, crossings, counts, ends):
     """Integrate y in place from controls[0] to controls[1].
 
     Returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING or ESCAPED.
@@ -57,6 +57,7 @@ def fly(flow, m, y, controls, atol, box, max_steps, started, times, samples, eve
     times, samples (len(times), size) : y wanted at increasing times.  events (K, 1 + size) : crossings of the section.
     crossings (K, 2) : time and surface of the last K crossings, used as a ring.
     counts : [samples, events, steps, rejected, crossings, touched, surface (where SLIDING)].
+    ends : the times at which the first accepted steps of this call end.
     """
     t, t_end, h, h_max, rtol = controls[0], controls[1], controls[2], controls[3], controls[4]
     span = t_end - t
@@ -71,7 +72,7 @@ def fly(flow, m, y, controls, atol, box, max_steps, started, times, samples, eve
     rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
     if h <= 0.0:
         h = initial_step(flow, m, y, span, rtol, atol)
-    rejected, short, limit = False, 0, math.inf
+    rejected, short, limit, accepted = False, 0, math.inf, 0
     for _ in range(max_steps):
         if t >= t_end:
             break
@@ -111,6 +112,9 @@ def fly(flow, m, y, controls, atol, box, max_steps, started, times, samples, eve
                 assign(samples[counts[0]], m.point)
                 counts[0] += 1
         t = t_end if length == used and t + used >= t_end else t + length
+        if accepted < ends.size:
+            ends[accepted] = t
+        accepted += 1
         if met >= 0:
             short = short + 1 if length < 1e-6 * used else 0
             if met == flow.surface_count and counts[1] < events.shape[0]:

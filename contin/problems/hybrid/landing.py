@@ -1,7 +1,8 @@
 """Where a solution meets the surface of an event for the first time, in the event's direction.
 
-h along the solution is sampled, for the integrator's steps know nothing of it; between two samples it may touch zero,
-or cross it twice: where a parabola through three samples says so, the extremum is located and looked at.
+h along the solution is sampled, for the integrator's steps know nothing of it, and in parts of these steps where many
+are between two samples (a spike). Between two samples it may touch zero, or cross it twice: where a parabola through
+three samples says so, the extremum is located and looked at.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.simulate.between_samples import resolving
 from contin.simulate.flight import DONE, Flight, fly
 from contin.simulate.resets import SENSES
 
@@ -24,6 +26,7 @@ SMALLER: Final = 1e-3  # ... of it, in the states' sizes: their absolute toleran
 BUDGET: Final = 200_000  # steps
 FIRST: Final = 1.25  # how long to wait for an event at first, in multiples of how long it took before
 SAMPLES: Final = 256  # of that time
+IN_A_STEP: Final = 4  # looks within a step
 ON_SURFACE: Final = 0.02  # part of that time within which a solution that starts beside its surface may leave it
 AT_ONCE: Final = 1e-9  # ... and one that starts on it
 NEAR: Final = 0.5  # of the change of h between samples: an extremum that near zero is looked at
@@ -72,7 +75,12 @@ def first_landing(
     last = patience if exactly else min(FIRST * length, patience)
     while True:
         t = np.linspace(max(start, leave), last, SAMPLES + 1)
-        flight = _fly(flow, state, p, sizes, (t - start).astype(np.float64))
+        ends: list[float] = [0.0]
+        flight = _fly(flow, state, p, sizes, (t - start).astype(np.float64), ends)
+        closer = start + resolving(flight.t, np.unique(ends), IN_A_STEP) if len(flight.t) == len(t) else t
+        if len(closer) > len(t):
+            t = closer
+            flight = _fly(flow, state, p, sizes, (t - start).astype(np.float64))
         times, states, complete = start + flight.t, flight.u, len(flight.t) == len(t)
         if not complete:  # beyond the surface it may escape to infinity
             seen = float(flight.t[-1]) if len(times) else 0.0
@@ -85,9 +93,13 @@ def first_landing(
         start, state, last, leave = last, states[-1], 2.0 * last, 0.0
 
 
-def _fly(flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array) -> Flight:
+def _fly(
+    flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array, steps: list[float] | None = None
+) -> Flight:  # fmt: skip
     errors = SMALLER * ACCURACY * sizes
-    return fly(flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=errors, budget=BUDGET)
+    return fly(
+        flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=errors, budget=BUDGET, steps=steps
+    )
 
 
 def _first(path: Path) -> float | None:

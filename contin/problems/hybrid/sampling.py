@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.hybrid.landing import BUDGET, SMALLER
+from contin.simulate.between_samples import DENSE, ends_of_steps, in_parts, resolving
 from contin.simulate.extrema import extremes_between
 from contin.simulate.flight import fly
 
@@ -22,6 +23,8 @@ SAMPLES = 240  # of an orbit
 LEAST = 24  # ... and of each arc
 FINER = 32
 QUADRATURE = 241  # times of each arc
+IN_A_STEP = 4  # looks within a step, of which a turn has at least twelve at this accuracy
+BOOLE = (7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0)  # weights of their ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ def sampled(problem: CycleOfEvents, z: Array) -> HybridProfile:
         return HybridProfile(np.full((2, names), np.nan), np.array([0.0, 1.0]), np.nan, float(z[-1]))
     times, states, begun = [], [], 0.0
     for flown in passage.flown:
-        t = np.linspace(0.0, flown.time, _count(passage, flown))
+        t = _times(problem, z, passage, flown)
         states.append(_states(problem, z, flown, t)[:, :names])
         times.append(begun + t)
         begun += flown.time
@@ -75,7 +78,7 @@ def _extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
 
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     for flown in passage.flown:
-        t = np.linspace(0.0, flown.time, _count(passage, flown))
+        t = _times(problem, z, passage, flown)
         states = _states(problem, z, flown, t)
 
         def around(row: int, t: Array = t, states: Array = states) -> Array:
@@ -93,31 +96,53 @@ def _extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
 def norm(problem: CycleOfEvents, z: Array) -> float:
     """Root mean square of all states over the orbit, sqrt(mean(x^2 + y^2 + ..)).
 
-    By the trapezoidal rule with slopes at the ends, of the fourth order, on times that
-    are equally far apart in time and along the orbit: spikes have theirs.
+    By Boole's rule in every step of the integrator where an arc has many within one of its equal times; else by the
+    trapezoidal rule with slopes at the ends, of the fourth order, on times that are equally far apart in time and along
+    the orbit.
     """
-    names, p = len(problem.system.state_names), problem.inner.full_parameters(z)
-    passage = problem.passage(z)
+    names, passage = len(problem.system.state_names), problem.passage(z)
     if passage is None:
         return float("nan")
     total = 0.0
     for flown in passage.flown:
-        t = np.linspace(0.0, flown.time, QUADRATURE)
-        u = _states(problem, z, flown, t)
-        steps = np.abs(np.diff(u / problem.map.sizes, axis=0)).sum(axis=1)
-        way = np.concatenate([[0.0], np.cumsum(steps / (steps.sum() or 1.0) + 1.0 / len(steps))])
-        t = np.interp(np.linspace(0.0, way[-1], QUADRATURE), way, t)
-        u = _states(problem, z, flown, t)
-        fields = np.array([problem.flow.system.value(one, p) for one in u])
-        g = np.einsum("kn,kn->k", u[:, :names], u[:, :names])
-        slope = 2.0 * np.einsum("kn,kn->k", u[:, :names], fields[:, :names])
-        h = np.diff(t)
-        total += float(0.5 * h @ (g[:-1] + g[1:]) + (h * h) @ (slope[:-1] - slope[1:]) / 12.0)
+        t, ends = np.linspace(0.0, flown.time, QUADRATURE), _ends_of_steps(problem, z, flown)
+        if np.diff(np.searchsorted(ends, t)).max() <= DENSE:
+            total += _by_slopes(problem, z, flown, t)
+            continue
+        ends = np.union1d(ends, t[::IN_A_STEP])
+        u = _states(problem, z, flown, in_parts(ends, IN_A_STEP))[:, :names]
+        g = np.einsum("kn,kn->k", u, u)
+        steps = np.diff(ends)
+        total += float(sum(w * (steps @ g[k : len(g) - IN_A_STEP + k : IN_A_STEP]) for k, w in enumerate(BOOLE)))
     return float(np.sqrt(max(total, 0.0) / passage.period))
 
 
-def _count(passage: Passage, flown: Flown) -> int:
-    return max(LEAST, int(SAMPLES * flown.time / passage.period))
+def _by_slopes(problem: CycleOfEvents, z: Array, flown: Flown, t: Array) -> float:
+    """The integral of the states' squares over an arc."""
+    names, p = len(problem.system.state_names), problem.inner.full_parameters(z)
+    u = _states(problem, z, flown, t)
+    steps = np.abs(np.diff(u / problem.map.sizes, axis=0)).sum(axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps / (steps.sum() or 1.0) + 1.0 / len(steps))])
+    t = np.interp(np.linspace(0.0, way[-1], QUADRATURE), way, t)
+    u = _states(problem, z, flown, t)
+    fields = np.array([problem.flow.system.value(one, p) for one in u])
+    g = np.einsum("kn,kn->k", u[:, :names], u[:, :names])
+    slope = 2.0 * np.einsum("kn,kn->k", u[:, :names], fields[:, :names])
+    h = np.diff(t)
+    return float(0.5 * h @ (g[:-1] + g[1:]) + (h * h) @ (slope[:-1] - slope[1:]) / 12.0)
+
+
+def _times(problem: CycleOfEvents, z: Array, passage: Passage, flown: Flown) -> Array:
+    """Times of an arc, from 0 to its end: equally far apart, and in every step where the integrator takes more."""
+    count = max(LEAST, int(SAMPLES * flown.time / passage.period))
+    return resolving(np.linspace(0.0, flown.time, count), _ends_of_steps(problem, z, flown), IN_A_STEP)
+
+
+def _ends_of_steps(problem: CycleOfEvents, z: Array, flown: Flown) -> Array:
+    """The times from 0 to its end between which the integrator's steps along an arc are."""
+    p, accuracy = problem.inner.full_parameters(z), problem.map.accuracy
+    atol = SMALLER * accuracy * problem.map.sizes
+    return ends_of_steps(problem.flow.system, flown.begin, p, flown.time, rtol=accuracy, atol=atol, budget=BUDGET)
 
 
 def arc_samples(problem: CycleOfEvents, z: Array, flown: Flown) -> Array:

@@ -12,13 +12,14 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.sizes import state_sizes
 from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.sizes import absolute_tolerances
+from contin.simulate.between_samples import DENSE
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_family import ShotFamily
 
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
-SAMPLES = 400  # times an extreme is looked for at; where more steps are taken, at those too
+SAMPLES = 400  # times an extreme is looked for at; where many steps are between, at those too
 NARROW = 1e-12  # (scaled time) between two times that are one
 RTOL, LOOSER = 1e-10, 10.0  # relative tolerance, at most this many times that of the orbits themselves
 BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
@@ -88,12 +89,13 @@ def mesh_of(problem: ShotFamily, z: Array, crossed: Array) -> Profile:
 
 def turning_places(problem: ShotFamily, z: Array) -> Array:
     """The scaled times of crossings, and those of the steps of an orbit that takes many: it spikes between samples."""
-    taken = flights(problem, z, np.empty(0))
+    steps: list[float] = []
+    taken = flights(problem, z, np.empty(0), steps)
     found = [f.crossings[:, 0] for f in taken] if problem.system.n_switches else []
-    if sum(f.steps for f in taken) > SAMPLES:
-        steps: list[float] = []
-        flights(problem, z, np.empty(0), steps)
-        found.append(np.array(steps))
+    ends = np.unique(steps)
+    samples = np.arange(SAMPLES + 1) / SAMPLES * Nodes.of(z, problem.n).period
+    if len(ends) > SAMPLES or np.diff(np.searchsorted(ends, samples)).max() > DENSE:
+        found.append(ends)
     places = np.concatenate([*found, np.empty(0)]) / Nodes.of(z, problem.n).period
     return np.asarray(np.unique(places[(places >= 0.0) & (places < 1.0)]))
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
 import contin
@@ -236,3 +237,47 @@ def test_events_that_never_happen_are_told_as_such(monkeypatch):
         contin.periodic_orbit(still, {"x": 0.0, "v": 0.0})
     with pytest.raises(NoSolutionError, match="no event happens from t = "):  # one impact, and rest
         contin.periodic_orbit(still, {"x": 0.9, "v": 2.0}, {"w": 9.0})
+
+
+def test_spikes_between_the_samples_of_an_orbit_with_jumps_are_in_its_extremes_and_its_norm():
+    """Van der Pol's equation at mu = 30, lifted to x = 2.2 at its right turn: y spikes for 1 % of the period."""
+    model = Model(
+        "lifted", states={"x": 2, "y": -0.1}, parameters={"mu": 30},
+        equations={"x": "y", "y": "mu*(1 - x^2)*y - x"}, observables={"work": "x*y"},
+        events=[{"when": "y", "direction": "down", "set": {"x": 2.2}}],
+    )  # fmt: skip
+
+    def rates(t, u):
+        return [u[1], 30.0 * (1.0 - u[0] ** 2) * u[1] - u[0], u[0] ** 2 + u[1] ** 2]
+
+    def returned(t, u):
+        return u[1] if t > 1e-3 else -1.0
+
+    returned.terminal, returned.direction = True, -1.0
+    flight = solve_ivp(
+        rates, (0.0, 90.0), [2.2, 0.0, 0.0], method="DOP853", rtol=1e-11, atol=1e-12, events=returned,
+        dense_output=True,
+    )  # fmt: skip
+    times = (flight.t[:-1, None] + np.diff(flight.t)[:, None] * np.arange(20) / 20).ravel()
+    x, y, _ = flight.sol(times)
+    orbit = contin.periodic_orbit(model)
+    found = contin.continuation(orbit, "mu", (30.0, 30.0001), settings={"steps": 1}).columns
+    assert found["period"][0] == pytest.approx(flight.t[-1], rel=1e-9)
+    assert found["y.max"][0] == pytest.approx(y.max(), rel=2e-6)
+    assert found["y.min"][0] == pytest.approx(y.min(), rel=2e-6)
+    assert found["work.max"][0] == pytest.approx((x * y).max(), rel=2e-6)
+    assert found["norm"][0] == pytest.approx(np.sqrt(flight.y[2, -1] / flight.t[-1]), rel=1e-9)
+
+
+def test_events_within_a_spike_between_samples_are_landed_on():
+    """The same, and y jumps down where it rises through 30, twice in each spike: the orbit of three events closes."""
+    model = Model(
+        "clipped", states={"x": 2, "y": -0.1}, parameters={"h": 30},
+        equations={"x": "y", "y": "30*(1 - x^2)*y - x"},
+        events=[{"when": "y", "direction": "down", "set": {"x": 2.2}},
+                {"when": "y - h", "direction": "up", "set": {"y": "0.8*y"}}],
+    )  # fmt: skip
+    orbit = contin.periodic_orbit(model)
+    assert sorted(orbit.events) == [1, 2, 2]
+    branch = contin.continuation(orbit, "h", (30.0, 30.0001), settings={"steps": 1})
+    assert branch.columns["y.max"][0] == pytest.approx(30.0, rel=1e-10)
