@@ -21,6 +21,7 @@ from contin.continuation.outcome import Corner, Jump, Verified
 from contin.continuation.problem import Problem, Renewal, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
+from contin.continuation.turning_off import CROSSED
 from contin.linalg.vectors import dot, norm
 from contin.special.table import special_type
 
@@ -55,6 +56,7 @@ class Arm:
     zeros: ThroughZero = field(init=False)
     idle: int = 0  # chunks in succession without a step that want another metric
     retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
+    from_label: bool = False  # whether the last chunk led to a labelled point, from which the next one goes on
 
     def __post_init__(self) -> None:
         self.zeros = ThroughZero(self.course.problem)
@@ -147,9 +149,12 @@ class Arm:
             return segment
         rows = self.zeros.passed(chunk, segment.found)
         notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
-        return (
-            replace(segment, notes=(*segment.notes, *notes), hiding=segment.hiding + len(notes)) if notes else segment
-        )
+        hiding = segment.hiding + len(notes)
+        last = len(chunk) - 2 if segment.found else len(chunk)  # at labelled points other curves may cross
+        rows = [row for row in chunk.crossed if row < last and not (row == 1 and self.from_label)]
+        notes += [f"{CROSSED} near {self.course.position(chunk.z[row])}" for row in rows]
+        self.from_label = bool(segment.found)
+        return replace(segment, notes=(*segment.notes, *notes), hiding=hiding) if notes else segment
 
     def _marched(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int

@@ -14,8 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Failure
-from contin.kernels.algebraic import STALLED
-from contin.kernels.steering import STAGNATION
+from contin.kernels.steering import STAGNATION, STALLED
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 

@@ -29,6 +29,7 @@ from contin.continuation.outcome import Failure
 from contin.continuation.problem import InTwoParameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.continuation.turning_off import length_before
 from contin.kernels import steering
 from contin.kernels.steering import AT_CORNER, RESCALE_AT, STRAYED, TURNED, is_dip
 from contin.linalg.vectors import dot, norm
@@ -127,7 +128,7 @@ def march(
         return Chunk(
             np.array([r.z for r in rows]), np.array([r.tangent for r in rows]), np.array([r.tests for r in rows]),
             np.array([r.unstable for r in rows]), eigenvalues, np.array(lengths), stop, next_step, reference, dipped,
-            evaluations, detail,
+            evaluations, detail, _crossed(rows, walled),
         )  # fmt: skip
 
     if here is None:
@@ -143,7 +144,9 @@ def march(
     old, nearest = before, here
     while len(rows) <= limit:
         last = rows[-1]
-        taken = _step(problem, old, last, h_previous, h, scale, settings, reference, again, nearest, decisions)
+        taken = _step(
+            problem, old, last, h_previous, h, scale, settings, reference, again, nearest, decisions, walled
+        )
         evaluations += taken.evaluations
         h = taken.length
         if isinstance(taken, _Refused):
@@ -154,7 +157,7 @@ def march(
         angle = target_angle if corner else float(elementary.acos(min(taken.cosine, 1.0)))
         h_used, h = h, steering.next_step(
             h, angle, target_angle, found.first_correction, decisions.wanted, decisions.order, float(found.iterations),
-            decisions.iterations, settings.min_step, settings.max_step,
+            decisions.iterations, settings.min_step, min(settings.max_step, max(taken.most, settings.min_step)),
         )  # fmt: skip
         stop, dipped = _what_happened(
             problem, old, last, sample, h_previous, h_used, bounds, walled, loop, scale, corner, decisions.dips
@@ -176,7 +179,10 @@ class _Refused:
 
 @dataclass(frozen=True, eq=False)
 class _Taken:
-    """A step that is accepted; `corner`: the shortest that there is, although it turns too sharply."""
+    """A step that is accepted; `corner`: the shortest that there is, although it turns too sharply.
+
+    most : of the next step: the distance of another curve beside which this one turns off.
+    """
 
     sample: Sample
     found: Corrected
@@ -184,13 +190,16 @@ class _Taken:
     corner: bool
     length: float
     evaluations: int
+    most: float = np.inf
 
 
 def _step(
     problem: Marchable, old: Sample | None, last: Sample, h_previous: float, h: float, scale: Array, settings: Settings,
     reference: float, again: Again | None, nearest: Linearisation, decisions: Decisions,
+    walled: InTwoParameters | None,
 ) -> _Taken | _Refused:  # fmt: skip
     """A step of length h, or of what is left of it where the corrector fails or the path turns too sharply."""
+    most, asks = np.inf, walled is not None and walled.knows_crossings
     cos_max = elementary.cos(np.radians(settings.max_angle))
     curved = old is not None and h_previous > 0
     evaluations = blocks = 0
@@ -232,12 +241,42 @@ def _step(
             continue
         if verdict == AT_CORNER:
             return _Taken(sample, found, cosine, True, h, evaluations)
+        if asks and sample.tests[1] * last.tests[1] < 0.0:
+            shorter, most = _before_turning_off(problem, old, last, h_previous, h, scale, settings, found, decisions)
+            asks, h = shorter is not None, h if shorter is None else shorter
+            if asks:
+                continue
+            most = np.inf
         landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
         if landed and blocks < 8 and h > settings.min_step:
             blocks = 8
             h = max(0.9 * h, settings.min_step)
             continue
-        return _Taken(sample, found, cosine, False, h, evaluations)
+        return _Taken(sample, found, cosine, False, h, evaluations, most)
+
+
+def _before_turning_off(
+    problem: Marchable, old: Sample | None, last: Sample, h_previous: float, h: float, scale: Array, settings: Settings,
+    found: Corrected, decisions: Decisions,
+) -> tuple[float | None, float]:  # fmt: skip
+    """`contin.continuation.turning_off.length_before` of a step from `last` to what was found."""
+    cos_max = elementary.cos(np.radians(settings.max_angle))
+
+    def at(length: float) -> tuple[Array, float] | None:
+        guess = _predicted(old, last, h_previous, length, scale, decisions)
+        there = correct(problem, last.z, last.tangent, length, guess, scale, settings.newton_tolerance)
+        if isinstance(there, Failure) or steering.leaves(norm(there.y), length, cos_max, settings.newton_tolerance):
+            return None
+        return there.y, there.last.sign
+
+    return length_before(at, np.zeros_like(found.y), found.y, float(last.tests[1]), h, settings.min_step)
+
+
+def _crossed(rows: list[Sample], walled: InTwoParameters | None) -> tuple[int, ...]:
+    """Rows before which another curve crosses."""
+    if walled is None or not walled.knows_crossings:
+        return ()
+    return tuple(k for k in range(1, len(rows)) if rows[k].tests[1] * rows[k - 1].tests[1] < 0.0)
 
 
 def _predicted(

@@ -66,6 +66,7 @@ class Chunk:
     dipped: int  # which test dipped, where stop is DIP
     evaluations: int
     detail: str = ""  # in words, where the march failed
+    crossed: tuple[int, ...] = ()  # rows of curves in two parameters before which another curve crosses
     gauge: object = None  # see `Frame`; made anew from the rows of a chunk that was kept in a file
 
     def __len__(self) -> int:

@@ -32,6 +32,7 @@ from contin.kernels.steering import (
     RESCALE,
     RESCALE_AT,
     STAGNATION,
+    STALLED,
     STRAYED,
     crossed,
     judged,
@@ -49,7 +50,6 @@ from contin.kernels.tests_of_stability import flow_tests, map_tests
 
 TESTS = 4
 NEWTON_LIMIT = 7
-STALLED = 0.9  # a correction of at least this part of the last one does not fall
 MET = 1e-6  # of the sum of the moduli of an equation's linear terms: what may be left of it at a row's Jacobian
 LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
 

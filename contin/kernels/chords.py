@@ -6,7 +6,7 @@ The correctors of orbits and of boundary-value problems ask here after every ite
 
 from contin.kernels.collocation_mesh import evened
 from contin.kernels.compile import inlined
-from contin.kernels.steering import STAGNATION
+from contin.kernels.steering import STAGNATION, STALLED
 
 ITERATIONS = 14
 FACTORISATIONS = 6
@@ -27,7 +27,8 @@ def follows(iteration, size, before, fresh, sound, tolerance, sizes):
 
     Corrections that no longer fall are at the attainable accuracy only where they are Newton's: chord iterations stall
     in the direction in which the matrix is nearly singular (the times of two passes of one saddle, whose sum is the
-    period), and leave an orbit 1000 times as far from the family as their length says.
+    period), and leave an orbit 1000 times as far from the family as their length says. Those that fall like a geometric
+    series, beside a singular point, go on.
     """
     sizes[2] += size
     if iteration == 0:
@@ -40,9 +41,10 @@ def follows(iteration, size, before, fresh, sound, tolerance, sizes):
     if iteration > 0:
         if ratio < 0.5 and size * ratio < 0.1 * tolerance:
             return CONVERGED
-        if fresh and ratio > 0.5 and size < STAGNATION and size < sizes[0]:
-            return CONVERGED
-        if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
+        if size < STAGNATION and size < sizes[0]:
+            if fresh and ratio > STALLED:
+                return CONVERGED
+        elif (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
             return FAILED
     return AFRESH if (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1) else AGAIN
 

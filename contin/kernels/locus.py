@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from contin.kernels.algebraic import correct, linearise
+from contin.kernels.algebraic import correct, diagonal_sign, linearise
 from contin.kernels.between import guess_between, is_between
 from contin.kernels.compile import allocating, call5, kernel
 from contin.kernels.dense import lu_factor, lu_solve
@@ -22,12 +22,14 @@ from contin.kernels.eigen import eigenvalues
 from contin.kernels.grading import uniform_rates
 from contin.kernels.lyapunov import lyapunov_terms
 from contin.kernels.steering import (
+    BEFORE,
     BOUND,
     CORRECTOR,
     GUARD_FLOOR,
     LIMIT,
     LOOP,
     NOT_FINITE,
+    ONE_POINT,
     RESCALE,
     RESCALE_AT,
     SHORTEST,
@@ -42,6 +44,7 @@ from contin.kernels.steering import (
     turn,
 )
 from contin.kernels.tests_of_stability import flow_tests
+from contin.kernels.turning_off import turning_off
 
 FOLD, HOPF, BRANCH = range(3)
 TESTS = 6
@@ -337,7 +340,8 @@ def march(
 
     n : states of the model.  p, active : parameters of the extended system, the first parameter's place in them.
     walls (k, 3) : unknown, lowest, highest value.  seen (N,) : 1 for unknowns that identify a point (closing ignores
-    the auxiliary vectors).  growing (N,) : 1 for unknowns whose scale may be outgrown.
+    the auxiliary vectors).  growing (N,) : 1 for unknowns whose scale may be outgrown.  info[5] : the last row before
+    which another curve crosses this one, as the sign of the determinant of [F_z; tangent] says; 0 for none.
     """
     size = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
@@ -353,7 +357,7 @@ def march(
     states = np.empty((n, n))
     pivots = np.empty(size + 1, np.int64)
     step = np.empty(size + 1)
-    sizes = np.zeros(2)
+    sizes, lengths = np.zeros(2), np.zeros(2)
     tests = np.empty(TESTS)
     info[:] = 0.0
     info[1] = h
@@ -362,8 +366,10 @@ def march(
         z[j] = out_z[0, j]
     if not linearise(address, False, z, p, active, scale, out_t[0], f, jacobian, matrix, block):
         return NOT_FINITE
-    if lu_factor(matrix, pivots) == 0:
+    sign = lu_factor(matrix, pivots)
+    if sign == 0:
         return CORRECTOR
+    side_before = sign * diagonal_sign(matrix)
     tangent_of(matrix, pivots, tangent)
     out_re[0] = math.nan
     leading_block(block, states)
@@ -373,6 +379,7 @@ def march(
     )
     record(tangent, tests, out_t, out_tests, 0)
     guarded = 0
+    below, above = np.empty(size + 1), np.empty(size + 1)
     for k in range(limit):
         row = k + 1
         for j in range(size + 1):
@@ -380,6 +387,7 @@ def march(
         recall(out_t, previous_tangent, k, old)
         if k > 0:
             h_previous = out_h[k]
+        crosses, apart = False, 0.0
         while True:
             set_out(out_z[k], tangent, old, scale, h, h_previous, y, z)
             sign = correct(
@@ -405,6 +413,17 @@ def march(
             if not cosine >= cos_max and h > max(h_min, SHORTEST):
                 h = max(0.5 * h, h_min, SHORTEST)
                 continue
+            side = sign * diagonal_sign(matrix)
+            if kind != BRANCH and side != side_before and not crosses:
+                lengths[1] = h
+                evaluations, apart = turning_off(
+                    address, out_z[k], tangent, old, h_previous, cos_max, side_before, z, p, active, scale,
+                    tolerance, trust, f, jacobian, matrix, block, pivots, step, y, below, above, lengths,
+                )  # fmt: skip
+                info[2] += evaluations
+                crosses = apart <= ONE_POINT or lengths[0] <= h_min
+                h = h if crosses else max(lengths[0] - BEFORE * apart, 0.5 * lengths[0], h_min)
+                continue
             leading_block(block, states)
             tests[0] = out_t[row, size]
             unstable = observe(
@@ -420,6 +439,9 @@ def march(
                 continue
             break
         guarded = 0
+        if crosses:
+            info[5] = row
+        side_before = side
         out_h[row] = h
         out_unstable[row] = unstable
         record(z, tests, out_z, out_tests, row)
@@ -427,6 +449,8 @@ def march(
         angle = turn(cosine, target_angle)
         h_used = h
         h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
+        if apart > 0.0 and not crosses:
+            h = max(min(h, BEFORE * apart), h_min)
         info[1] = h
         for i in range(walls.shape[0]):
             value = z[int(walls[i, 0])]

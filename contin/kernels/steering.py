@@ -11,6 +11,7 @@ from contin.kernels.compile import inlined
 LIMIT, EVENT, DIP, BOUND, CORRECTOR, NOT_FINITE, RESCALE, LOOP, CORNER = range(9)
 
 STAGNATION = 1e-6  # a Newton correction below this that no longer falls is at the attainable accuracy
+STALLED = 0.9  # one of at least this part of the last one does not fall; less fast ones fall like a geometric series
 DIP_FRACTION = 0.5  # a local minimum of |test| is looked at when its parabola falls below this part of it
 GUARD = 0.6  # a step is refined while a test function differs from its linear prediction by more than this part
 GUARD_FLOOR = 2e-3  # ... but not below this arclength
@@ -21,6 +22,10 @@ RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this
 ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a straight line
 CLOSE = 1.5  # steps: distance from its start within which a branch passes it
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
+
+BISECTED = 1e-9  # of a step, to which it is bisected where its end may be on another curve
+ONE_POINT = 1e-7  # scaled: two curves nearer to each other than this are crossing, to what rows beside that are worth
+BEFORE = 1.0  # times the distance of two curves: as far before the place where one turns off beside the other
 
 ACCEPTED, AT_CORNER, TURNED, STRAYED = range(4)  # what a march makes of a corrected point
 

@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from contin.abi import Array
+from contin.kernels.steering import STALLED
 from contin.linalg.vectors import norm
 
 T = TypeVar("T")
@@ -19,7 +20,8 @@ class Rules:
     """When corrections end; their sizes are in the metric of whoever makes them.
 
     settled : a correction below this is the last one.  stalled : corrections below this that no longer fall to `ratio`
-    of the one before are rounding, and are not made.  far : one beyond this leads elsewhere, and so does one `growth`
+    of the one before are rounding, and are not made; beside singular points they fall like a geometric series, which is
+    none.  far : one beyond this leads elsewhere, and so does one `growth`
     times as long as the one before, where that is not rounding.  budget : of corrections.
     """
 
@@ -27,7 +29,7 @@ class Rules:
     stalled: float = 1e-8
     far: float = np.inf
     budget: int = 12
-    ratio: float = 0.5
+    ratio: float = STALLED
     growth: float = np.inf
 
 
@@ -36,7 +38,8 @@ class Converged(Generic[T]):
     """Where corrections end.
 
     made : size of the last one that was made, inf where none was.  left : of the last one that is known: the same, or
-    that of the rounding error that is left.  exhausted : the budget ended them, before they settled or stalled.
+    that of the rounding error that is left, or the sum of the series that the last ones begin.
+    exhausted : the budget ended them, before they settled or stalled.
     """
 
     at: T
@@ -50,7 +53,7 @@ def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rule
 
     correct : the size of the correction at a place and where it leads, or None where there is none.
     """
-    at, before = start, np.inf
+    at, before, falls = start, np.inf, 0.0
     for _ in range(rules.budget):
         found = correct(at)
         if found is None:
@@ -62,10 +65,11 @@ def newton(correct: Callable[[T], tuple[float, T] | None], start: T, rules: Rule
             return Converged(at, before, size)
         if not size < rules.growth * before:
             return None
-        at, before = there, size
+        at, before, falls = there, size, size / before
         if size < rules.settled:
             return Converged(at, size, size)
-    return Converged(at, before, before, exhausted=True) if before < rules.stalled else None
+    left = before * max(1.0, falls / (1.0 - falls)) if falls < 1.0 else before
+    return Converged(at, before, left, exhausted=True) if before < rules.stalled else None
 
 
 def by_steps(

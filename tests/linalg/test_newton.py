@@ -37,10 +37,19 @@ def test_scaled_unknowns_take_the_same_way():
 
 
 def test_corrections_that_are_rounding_are_not_made_and_their_size_is_told():
-    noise = iter([1e-3, 1e-9, 0.9e-9])
+    noise = iter([1e-3, 1e-9, 0.95e-9])
     found = newton(lambda z: (step := next(noise), z + step), 0.0, Rules(settled=1e-14, stalled=1e-8))
     assert found.at == 1e-3 + 1e-9
-    assert (found.made, found.left) == (1e-9, 0.9e-9)
+    assert (found.made, found.left) == (1e-9, 0.95e-9)
+
+
+def test_corrections_that_fall_like_a_series_are_no_rounding():
+    """At a fourfold zero each leaves 3/4 of the error: where the fifth below `stalled` was the last, 3e-9 were left."""
+    found = newton(lambda z: (abs(z) / 4.0, 0.75 * z), 1.0, Rules(stalled=1e-8, settled=1e-14, budget=200))
+    assert abs(found.at) < 5e-14
+    short = newton(lambda z: (abs(z) / 4.0, 0.75 * z), 1e-8, Rules(stalled=1e-8, settled=1e-14, budget=4))
+    assert short.exhausted
+    assert short.left == pytest.approx(abs(short.at), rel=1e-12)  # what is left is the sum of the series
 
 
 def test_rounding_may_grow_and_other_corrections_may_not():

@@ -9,8 +9,9 @@ from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.special_orbits.linearise import linearise
 from contin.kernels.special_orbits.memory import FAILED
 from contin.kernels.special_orbits.tangent import changes, combined, product, tangent_of
+from contin.kernels.steering import STALLED
 
-ITERATIONS = 8
+ITERATIONS = 12
 STAGNATION = 1e-7
 
 
@@ -78,11 +79,10 @@ def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact,
             done = moved <= tolerance or info[3] * moved * moved < 0.03 * tolerance
         elif moved <= tolerance or (moved < 1e-4 and moved * ratio * ratio < 0.1 * tolerance):
             done = True
-        elif ratio > 0.5:
-            if moved < STAGNATION:
-                done = True
-            else:
-                return FAILED
+        elif ratio > 0.5 and moved >= STAGNATION:
+            return FAILED
+        elif ratio > STALLED:  # else they fall like a geometric series: beside a singular point, not in rounding
+            done = True
         elif iteration >= ITERATIONS:
             return FAILED
         if iteration == 2:

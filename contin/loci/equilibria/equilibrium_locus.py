@@ -35,6 +35,7 @@ CHUNK = 250  # rows after which the border is looked at again
 REACH = 12.5  # ... or, where steps are short, this arclength (so many of the longest steps by default)
 FEW = 10  # states at most: some 50 ms
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
+WITH_CROSSINGS = ("LP", "PD")  # the planes of pairs have borders that may fail far from where they were chosen
 _NONE = np.empty(0)
 _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 
@@ -42,6 +43,11 @@ _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 @dataclass(frozen=True, eq=False)
 class LocusProblem(CurveOfPoints):
     """The equations of `CurveOfPoints`, followed by a compiled march."""
+
+    @property
+    def knows_crossings(self) -> bool:
+        """Not those of branch points: their equations are singular where the first parameter turns."""
+        return self.locus != "BP"
 
     def of_type(self, type_: str, p: Array) -> LocusProblem:
         """The curve of another type in the same two parameters, the others being those of p."""
@@ -84,6 +90,8 @@ class LocusProblem(CurveOfPoints):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         found = self._marched(origin, before, length, frame, step, limit, settings, loop)
+        if self.locus not in WITH_CROSSINGS:
+            found = replace(found, crossed=())
         return found if self.has_stability else timeless.chunk_without(found)
 
     def _marched(
@@ -122,6 +130,7 @@ class LocusProblem(CurveOfPoints):
         chunk = Chunk(
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], STOPS[reason], float(info[1]),
             0.0, int(info[4]), int(info[2]), gauge=curve.gauge,
+            crossed=(int(info[5]),) if info[5] > 0.0 else (),
         )  # fmt: skip
         return events.with_degeneracy(own, chunk) if self.locus == "BP" else chunk
 

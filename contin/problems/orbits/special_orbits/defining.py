@@ -28,7 +28,7 @@ from contin.problems.orbits.special_orbits.held_parameter import HeldCurve
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-NEWTON: Final = Rules(settled=1e-13, stalled=1e-7, far=1e2, budget=24)  # at two multipliers 1 each halves the error
+NEWTON: Final = Rules(settled=1e-13, stalled=1e-7, far=1e2, budget=48)  # at two multipliers 1 each halves the error
 PERTURBATION: Final = 1e-10
 SAMPLES: Final = 2
 SCATTERED: Final = 4.0  # the error beside the largest of so few samples of rounding

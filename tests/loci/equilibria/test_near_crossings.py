@@ -1,0 +1,45 @@
+"""Curves in two parameters that nearly cross another one turn off beside it; where they cross, a note says so.
+
+g = q^2 - p^2 - e: the curve g = 0 from (-2, 2) turns at (0, sqrt(e)), from one line to the other, and stays at q > 0.
+Every one of them went on along its line, onto the other half of the hyperbola, from e = 1e-6 on without a word.
+"""
+
+import numpy as np
+import pytest
+
+import contin
+
+G = "(q^2 - p^2 - e)"
+CURVES = {
+    "LP": ("flow", {"x": f"{G} - x^2"}, {"x": 1.1}),
+    "HB": ("flow", {"x": f"-{G}*x - y - x*(x^2 + y^2)", "y": f"x - {G}*y - y*(x^2 + y^2)"}, {"x": 0, "y": 0}),
+    "PD": ("map", {"x": f"-(1 - {G})*x + x^3"}, {"x": 0}),
+    "NS": ("map", {"x": f"(1 - {G})*(0.6*x - 0.8*y)", "y": f"(1 - {G})*(0.8*x + 0.6*y)"}, {"x": 0, "y": 0}),
+}
+
+
+def curve(type_, e):
+    kind, equations, start = CURVES[type_]
+    model = contin.Model("beside", kind=kind, states=start, parameters={"p": -1, "q": 1.5, "e": e}, equations=equations)
+    line = contin.continuation(contin.equilibrium(model), "p", (-2, 0))
+    return contin.continuation(line[f"{type_}1"].locus(), ("p", "q"), {"p": (-2, 2), "q": (-2, 2)})
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-5, 1e-6])
+@pytest.mark.parametrize("type_", list(CURVES))
+def test_a_curve_turns_off_beside_another_one(type_, gap):
+    found = curve(type_, gap * gap)
+    p, q = found.columns["p"], found.columns["q"]
+    np.testing.assert_allclose(q, np.sqrt(p * p + gap * gap), rtol=1e-6, atol=1e-9)
+    assert {end.reason for end in found.ends} == {"bound"}
+    assert p.max() - p.min() > 3.9
+    assert len(p) < 120
+    assert found.notes == ()
+
+
+@pytest.mark.parametrize("type_", ["LP", "PD"])
+def test_a_curve_that_another_one_crosses_goes_on_and_says_so(type_):
+    found = curve(type_, 0.0)
+    np.testing.assert_allclose(found.columns["q"], -found.columns["p"], atol=1e-12)
+    assert any("another curve crosses this one" in note for note in found.notes)
+    assert found.unexplained == 0
