@@ -18,6 +18,7 @@ CUBIC: Final = 0.05  # of its size between two angles: how well a cubic must des
 LOW: Final = 0.3  # part of its size above which h has no zero between
 CLEAR: Final = 1e3  # times its rounding errors: |h| between two zeros that are told apart
 DEPTH: Final = 40  # halvings
+MOST: Final = 4000  # evaluations; an h that is rough all around the circle would be halved for minutes
 ACCURATE: Final = 1e-13  # of the angle
 
 
@@ -38,6 +39,7 @@ class CircleZeros:
     noise: float = 0.0
     lost: bool = False  # somewhere h has no value, or is not told from zero
     found: list[float] = field(default_factory=list)
+    evaluations: int = 0
 
     def points(self) -> list[Array] | None:
         """The zeros as points; None where not all may be there."""
@@ -63,7 +65,8 @@ class CircleZeros:
         return self.radius * np.array([elementary.cos(t), elementary.sin(t)])
 
     def _at(self, t: float, v: Array) -> _At | None:
-        value = self.reduced.value(self._c(t), v)
+        self.evaluations += 1
+        value = self.reduced.value(self._c(t), v) if self.evaluations <= MOST else None
         if value is None:
             self.lost = True
             return None
