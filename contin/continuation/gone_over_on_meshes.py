@@ -6,6 +6,7 @@ that all rows share; so are the solutions that are compared at the parameter of 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -17,7 +18,10 @@ from contin.continuation.problem import Problem
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
 CLEAR: Final = 10.0  # times the estimated error of a mesh: a difference that is none of it
-MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes some thirty solutions
+LEFT: Final = 1e-8  # of a function's size: what the corrector leaves in rows
+SMOOTH: Final = 0.03  # part of a function's change in a step: solutions in it that lie as near to a cubic are its own
+INSIDE: Final = (0.5, 0.75)  # places in a step where they are looked for: at one alone, another branch may lie so, too
+MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes four solutions, or some thirty
 
 
 def gone_over_on_meshes(
@@ -47,9 +51,40 @@ def gone_over_on_meshes(
         steps = suspicious(y[rows], sense * t[rows], NOISE, alone) & (alone(y[rows[:-1]]) > NOISE)
         return [int(k) for k in np.flatnonzero(steps[:, :-1].any(axis=1))]
 
-    return first_beyond(
-        len(z), start, labelled, strange, lambda rows: _are_two(problem, z[rows], sizes, bounds), MOST
-    )  # fmt: skip
+    def two(rows: NDArray[np.intp]) -> bool:
+        steps = ([a, b] for a, b in pairwise(rows))
+        if all(on_one_curve(problem, z[step], tangents[step], sizes, bounds) for step in steps):
+            return False
+        return _are_two(problem, z[rows], sizes, bounds)
+
+    return first_beyond(len(z), start, labelled, strange, two, MOST)
+
+
+def on_one_curve(problem: Problem, z: Array, tangents: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
+    """True where solutions inside a step lie on the cubic in the parameter through its two rows and their slopes.
+
+    z, tangents : of the two rows.
+    """
+    here = z[0][np.isfinite(z[0])]
+    width, scale = float(z[1, -1] - z[0, -1]), problem.initial_scale(here, bounds)
+    if np.any(tangents[:, -1] == 0.0) or width == 0.0:
+        return False
+    start, end = (problem.at_shared_places(row, row) for row in z)
+    moved = end - start
+    rise, fall = (width * problem.at_shared_places(row, t) / t[-1] for row, t in zip(z, tangents, strict=True))
+    noise = max(LEFT, *(CLEAR * problem.mesh_error(row[np.isfinite(row)], sizes) for row in z))
+    allowed = np.maximum(SMOOTH * _size(moved), noise * sizes)
+    first = width * tangents[0, -here.size :] / tangents[0, -1]  # the change of a step along the first row's tangent
+    bend = np.zeros_like(here)
+    for s in INSIDE:
+        found = problem.at_parameter(here + s * first + s * s * bend, float(here[-1] + s * width), scale)
+        if found is None:
+            return False
+        bend = (found - here - s * first) / (s * s)
+        cubic = start + s * rise + s * s * (3.0 * moved - 2.0 * rise - fall + s * (rise + fall - 2.0 * moved))
+        if np.any(_size(problem.at_shared_places(found, found) - cubic) > allowed):
+            return False
+    return True
 
 
 def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> bool:

@@ -34,6 +34,7 @@ class Seed:
     beside: Mapping[int, Array] = field(default_factory=dict)  # by arm: a point on it, where no order of terms tells it
     measured: tuple[int, NDArray[np.complex128]] | None = None  # unstable count and eigenvalues at z, where known
     remarks: tuple[str, ...] = ()  # about the start: notes of the branch
+    passing: bool = False  # on the way to what its end is for: whether rows are of one branch is not asked
 
     def __repr__(self) -> str:
         born = f" born at {self.parent.branch}.{self.parent.label}" if self.parent is not None else ""

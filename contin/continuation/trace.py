@@ -252,7 +252,7 @@ def _astray(
     special : rows at special points of other branches, and at corners.
     """
     problem, scale, bounds = departure.seed.problem, departure.scale, departure.bounds
-    if in_two_parameters(problem):
+    if departure.seed.passing or in_two_parameters(problem):
         return []
     born, jumps = special
     if problem.adaptive and problem.kind not in ("orbit", "bvp"):  # how far end values depend on the mesh is unknown

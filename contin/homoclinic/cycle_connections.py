@@ -299,7 +299,7 @@ def _followed(problem: BoundaryProblem, z: Array, bounds: tuple[float, float], s
     """The solution at the bound to which the parameter of the homotopy goes; NoSolutionError, with its step."""
     settings = Settings(steps=HOME)
     z = solved(problem, problem.profile(z))  # on a mesh that resolves it
-    branch = trace(Seed(problem, z, arms=(sense,)), bounds, settings=settings)
+    branch = trace(Seed(problem, z, arms=(sense,), passing=True), bounds, settings=settings)
     end, row = branch.ends[1 if sense > 0 else 0], branch.z[-1 if sense > 0 else 0]
     row = row[~np.isnan(row)]
     goal = bounds[1] if sense > 0 else bounds[0]
