@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 
 UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
@@ -38,11 +39,16 @@ def gone_over(
 
     labelled : rows of special points, where branches meet.  noise : of rows, in scaled unknowns.
     """
+
+    def two(rows: NDArray[np.intp]) -> bool:
+        steps = ([a, b] for a, b in pairwise(rows))
+        if all(_on_one_curve(problem, z[step], tangents[step], scale) for step in steps):
+            return False
+        return _are_two(problem, z[rows], scale, noise)
+
     return first_beyond(
         len(z), start, labelled,
-        lambda rows, sense: _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise),
-        lambda rows: _are_two(problem, z[rows], scale, noise),
-        MOST,
+        lambda rows, sense: _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise), two, MOST,
     )  # fmt: skip
 
 
@@ -117,6 +123,16 @@ def _vanishing(
     little &= before > ROUNDED
     flat = (level < VANISHED * steep) & (left > UNEXPLAINED * length * steep)
     return np.asarray(little | (flat & (length * steep > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)))
+
+
+def _on_one_curve(problem: Problem, z: Array, tangents: Array, scale: Array) -> bool:
+    """True where solutions inside a step are those of a smooth branch through its two rows."""
+    width = float(z[1, -1] - z[0, -1])
+    if np.any(tangents[:, -1] == 0.0) or width == 0.0:
+        return False
+    rise, fall = (width * t / t[-1] for t in tangents)
+    step = Step(z[0], rise, width, scale)
+    return on_cubic(problem, step, (z[0], z[1]), (rise, fall), lambda found: found, np.abs, ROUNDED * scale)
 
 
 def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:

@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.gone_over import APART, RETURNED, VANISHED, first_beyond, suspicious, way_back
+from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
 CLEAR: Final = 10.0  # times the estimated error of a mesh: a difference that is none of it
 LEFT: Final = 1e-8  # of a function's size: what the corrector leaves in rows
-SMOOTH: Final = 0.03  # part of a function's change in a step: solutions in it that lie as near to a cubic are its own
-INSIDE: Final = (0.5, 0.75)  # places in a step where they are looked for: at one alone, another branch may lie so, too
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes four solutions, or some thirty
 
 
@@ -61,30 +60,19 @@ def gone_over_on_meshes(
 
 
 def on_one_curve(problem: Problem, z: Array, tangents: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
-    """True where solutions inside a step lie on the cubic in the parameter through its two rows and their slopes.
-
-    z, tangents : of the two rows.
-    """
+    """True where solutions inside a step are those of a smooth branch through its two rows z, raw tangents beside."""
     here = z[0][np.isfinite(z[0])]
-    width, scale = float(z[1, -1] - z[0, -1]), problem.initial_scale(here, bounds)
+    width = float(z[1, -1] - z[0, -1])
     if np.any(tangents[:, -1] == 0.0) or width == 0.0:
         return False
-    start, end = (problem.at_shared_places(row, row) for row in z)
-    moved = end - start
+    values = [problem.at_shared_places(row, row) for row in z]
     rise, fall = (width * problem.at_shared_places(row, t) / t[-1] for row, t in zip(z, tangents, strict=True))
     noise = max(LEFT, *(CLEAR * problem.mesh_error(row[np.isfinite(row)], sizes) for row in z))
-    allowed = np.maximum(SMOOTH * _size(moved), noise * sizes)
-    first = width * tangents[0, -here.size :] / tangents[0, -1]  # the change of a step along the first row's tangent
-    bend = np.zeros_like(here)
-    for s in INSIDE:
-        found = problem.at_parameter(here + s * first + s * s * bend, float(here[-1] + s * width), scale)
-        if found is None:
-            return False
-        bend = (found - here - s * first) / (s * s)
-        cubic = start + s * rise + s * s * (3.0 * moved - 2.0 * rise - fall + s * (rise + fall - 2.0 * moved))
-        if np.any(_size(problem.at_shared_places(found, found) - cubic) > allowed):
-            return False
-    return True
+    first = width * tangents[0, -here.size :] / tangents[0, -1]
+    return on_cubic(
+        problem, Step(here, first, width, problem.initial_scale(here, bounds)), (values[0], values[1]), (rise, fall),
+        lambda found: problem.at_shared_places(found, found), _size, noise * sizes,
+    )  # fmt: skip
 
 
 def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
