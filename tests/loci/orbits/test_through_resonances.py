@@ -41,6 +41,7 @@ def test_multipliers_that_are_critical_at_the_point_are_not_unstable(folds):
     assert folds["R11"].values["unstable"] == 0
 
 
+@pytest.mark.long
 def test_folds_by_shooting_meet_tori_where_those_by_collocation_do(hopf, folds):
     settings = {"stop_at": ("R1",), "method": "shooting"}
     point, other = folds["R11"], contin.continuation(hopf["GH1"].locus(NAMES), NAMES, BOX, settings=settings)["R11"]
