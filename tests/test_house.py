@@ -1,7 +1,7 @@
 """The house: no circle of imports, annotations counted, and no long function outside the kernels."""
 
 import ast
-from collections.abc import Container
+from collections.abc import Container, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -28,10 +28,18 @@ def modules() -> dict[str, tuple[set[str], list[str]]]:
     return found
 
 
+def statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """All statements of a module, without the expressions in them: a tenth of its nodes."""
+    for part in ("body", "orelse", "handlers", "finalbody", "cases"):
+        for node in getattr(tree, part, ()):
+            yield node
+            yield from statements(node)
+
+
 def imported(tree: ast.Module) -> set[str]:
     """Dotted names that a module takes, at run time or for annotations: of modules, or of what is in them."""
     names = set()
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -43,7 +51,7 @@ def long_functions(tree: ast.Module) -> list[str]:
     """Names and lengths of the functions that are too long."""
     return [
         f"{node.name}: {node.end_lineno - node.lineno + 1} lines"
-        for node in ast.walk(tree)
+        for node in statements(tree)
         if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno + 1 > LONGEST
     ]
 

@@ -27,7 +27,11 @@ class LeftOutWarning(DamageWarning):
 
 def document_digest(document: Record) -> str:
     """Of a JSON document's canonical text without its own `sha256`."""
-    text = ENCODER.encode({key: value for key, value in document.items() if key != KEY})
+    return text_digest(ENCODER.encode({key: value for key, value in document.items() if key != KEY}))
+
+
+def text_digest(text: str) -> str:
+    """Of a canonical text."""
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 

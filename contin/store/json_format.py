@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 FORMAT_VERSION: Final = 1
+LINE: Final = json.JSONEncoder(allow_nan=False, ensure_ascii=False)
 
 OrbitSampler = Callable[[Branch, SpecialPoint], Record | None]
 """Gives {'orbit': {'t': .., state: ..}} (or {'fields': ..}) at a point, or None where the point has neither."""
@@ -207,6 +208,11 @@ def dumps(document: Record) -> str:
     return _lay_out(document, 0) + "\n"
 
 
+def branch_text(branch: Record) -> str:
+    """A branch's entry of `branches` as it stands in the text of a document."""
+    return "    " + _lay_out(branch, 2)
+
+
 def escaped(text: str) -> str:
     """JSON text in ASCII alone: every other character as its escape, which a reader turns back."""
     return "".join(c if c < "\x7f" else json.dumps(c)[1:-1] for c in text) if not text.isascii() else text
@@ -220,7 +226,7 @@ def _lay_out(value: object, depth: int) -> str:
         return "{\n" + ",\n".join(lines) + "\n" + "  " * depth + "}"
     if isinstance(value, list) and value and isinstance(value[0], Mapping):
         return "[\n" + ",\n".join(inner + _lay_out(entry, depth + 1) for entry in value) + "\n" + "  " * depth + "]"
-    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+    return LINE.encode(value)
 
 
 def write(document: Record, path: Path) -> None:

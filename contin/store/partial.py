@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
 from contin.records import Fields, Record
-from contin.store.digest import signed
-from contin.store.json_format import FORMAT_VERSION, branch_document, dumps, write_json_text
+from contin.store.digest import ENCODER, KEY, text_digest
+from contin.store.json_format import FORMAT_VERSION, branch_document, branch_text, dumps, write_json_text
 from contin.store.places import beside
 
 if TYPE_CHECKING:
@@ -29,7 +29,8 @@ class PartialJson:
     def __init__(self, path: Path, model: Record) -> None:
         self.path, self.trouble, self.model = path, "", model
         self.place = beside(path) if path.exists() and path.stat().st_size else path
-        self.branches: dict[str, Fields] = {}
+        self.branches: dict[str, tuple[str, str]] = {}  # texts: laid out, and canonical
+        self.seconds: dict[str, float] = {}
 
     def replay(self, key: str, number: int) -> Chunk | None:
         return None
@@ -41,18 +42,23 @@ class PartialJson:
         """Write what is finished."""
         if self.trouble:
             return
-        self.branches[branch.name] = branch_document(branch)
-        document = {
-            "contin": FORMAT_VERSION,
-            "model": dict(self.model),
-            "branches": [*self.branches.values()],
-            "notes": [NOTE],
-            "timing": {"total": float(sum(b["seconds"] for b in self.branches.values()))},
-        }
+        document = branch_document(branch)
+        self.branches[branch.name] = (branch_text(document), ENCODER.encode(document))
+        self.seconds[branch.name] = float(document["seconds"])
         try:
-            write_json_text(dumps(signed(document)), self.place)
+            write_json_text(self._text(), self.place)
         except InputError as error:
             self.trouble = f"{error}; the run went on without keeping its finished branches there"
+
+    def _text(self) -> str:
+        """Of the document, signed: each branch is laid out once, not again with every one that follows it."""
+        head = {"contin": FORMAT_VERSION, "model": dict(self.model)}
+        tail: Fields = {"notes": [NOTE], "timing": {"total": sum(self.seconds.values())}}
+        laid, canonical = zip(*self.branches.values(), strict=True)
+        whole = f'{{"branches":[{",".join(canonical)}],{ENCODER.encode({**head, **tail})[1:]}'
+        opening = dumps(head).removesuffix("\n}\n")
+        closing = dumps({**tail, KEY: text_digest(whole)}).removeprefix("{\n")
+        return opening + ',\n  "branches": [\n' + ",\n".join(laid) + "\n  ],\n" + closing
 
     def give_up(self) -> None:
         """The user wants no result: the unfinished file is removed."""
