@@ -182,7 +182,7 @@ def floquet(e, w, s, x):
     z, m_all, field, state = x.z, x.transitions, x.field, x.state
     F, p = w.F, w.p
     fine = True
-    transitions(s.local, n, m, s.stages.weights, m_all)
+    transitions(s.local, n, m, m_all)
     trivial = 1.0
     skip = 0
     if e.forcing == 0:
@@ -193,7 +193,7 @@ def floquet(e, w, s, x):
                 state[k] = z[i * m * n + k]
             call3(e.value, state, p, F)
             for k in range(n):
-                field[i, k] = F[k] * s.stages.weights[k]
+                field[i, k] = F[k]
         trivial = deflate(m_all, field)
         fine &= math.isfinite(trivial)
     if fine and multipliers(m_all, skip, x.basis, x.re, x.im):

@@ -2,7 +2,6 @@
 
 from contin.kernels.collocation import LANES, forcing_period
 from contin.kernels.compile import kernel
-from contin.kernels.stages import weigh
 from contin.kernels.stages_dense import (
     fill_borders_dense,
     fill_columns_dense,
@@ -21,7 +20,6 @@ def fill(e, w, z, tangent, scale, s, border):
     """
     arc, g = w.arc, s.stages
     n, m = e.n, e.m
-    weigh(g.weights, n, scale)
     intervals = w.u.shape[2]
     nodes = (intervals * m + 1) * n
     period = z[nodes]

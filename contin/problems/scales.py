@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.model.model import Model
-from contin.simulate.natural import ROUNDING as NEXT_TO_ZERO
 from contin.simulate.natural import beyond_rounding, filled
 
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the scale of a state by this factor at most
@@ -54,7 +53,7 @@ def state_scales(
     usual: Array,
     lengths: Array | None = None,
     growth: Callable[[], tuple[Array, Array]] | None = None,
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Array]:
     """Typical sizes of the states, (n,), all positive; and which of them are a mere 1.
 
     u : (n,) start.  jacobian : (n, n + 1) = [F_u | F_p] there.  parameter_scale : length of the parameter's range.
@@ -78,15 +77,11 @@ def state_scales(
     scale = np.where(declared > 0.0, declared, scale)
     coupling = np.abs(jacobian[:, :n]) if finite else np.zeros((n, n))
     balanced, unknown = filled(scale, coupling, lengths=lengths)
-    said = ~unknown & (scale > NEXT_TO_ZERO * scale.max(initial=0.0)) & (usual > 0.0)  # also beside those found below
     if unknown.any() and usual.any():
-        said |= unknown & (usual > 0.0)
-        balanced, unknown = filled(np.where(unknown, usual, scale), coupling, lengths=lengths, said=said)
-        scale = np.where(said & (scale == 0.0), usual, scale)
+        balanced, unknown = filled(np.where(unknown, usual, scale), coupling, lengths=lengths)
     if unknown.any() and growth is not None:
         lengths, second = growth()
-        said |= unknown & (lengths > 0.0)
-        balanced, unknown = filled(np.where(unknown, lengths, scale), coupling, second, said=said)
+        balanced, unknown = filled(np.where(unknown, lengths, scale), coupling, second)
     small = (declared == 0.0) & (scale < NEGLIGIBLE * balanced)
     result = np.where(small | (scale <= 0.0), balanced, scale)
     return result, unknown

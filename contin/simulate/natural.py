@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import ContinError
@@ -22,7 +21,6 @@ from contin.linalg.balancing import balancing_scales
 from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
-from contin.simulate.beyond_slopes import lengths_beyond_slopes
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -76,10 +74,8 @@ def natural_metric(system: System, u: Array, p: Array, seen: Array | None = None
     if guessed.any() and n <= BENDS_UP_TO:
         second, third = pure_derivatives(system, u, full)
         lengths = growth_lengths(np.abs(matrix), second, third)
-        lengths = lengths_beyond_slopes(system, u, full, np.abs(matrix), lengths)
         known = np.where(size > 0.0, size, lengths)
-        said = np.where(guessed, (usual > 0.0) | (size == 0.0), (usual > 0.0) & (size > ROUNDING * size.max()))
-        found, guessed = filled(np.where(guessed, known, size), np.abs(matrix), second, lengths, said)
+        found, guessed = filled(np.where(guessed, known, size), np.abs(matrix), second, lengths)
     size = found
     time = 1.0 / rate if rate > 0.0 else 0.0
     if system.kind == "map":
@@ -205,24 +201,17 @@ def growth_lengths(slopes: Array, second: Array, third: Array) -> Array:
 
 
 def filled(
-    scale: Array,
-    coupling: Array,
-    second: Array | None = None,
-    lengths: Array | None = None,
-    said: NDArray[np.bool_] | None = None,
-) -> tuple[Array, NDArray[np.bool_]]:
+    scale: Array, coupling: Array, second: Array | None = None, lengths: Array | None = None
+) -> tuple[Array, Array]:
     """Unknown (zero) sizes (n,) so that coupling (n, n) to and from the others is alike; and which are a mere 1.
 
     second : |d^2 F_k / d u_i^2|, (n, n): what drives a state to which nothing couples to first order.
     lengths : (n,), over which the equations bend in each state; a size as large as that is no rounding error.
-    said : (n,), true where a size is the model's own word, which is one in units of 1e-12 of the others, too.
     """
     n = scale.size
     known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
     if lengths is not None:
         known |= np.isfinite(lengths) & (scale > lengths / BENDING) & (scale < lengths * BENDING)
-    if said is not None:
-        known |= said & (scale > 0.0)
     result = np.where(known, scale, 1.0)
     found = known.copy()
     unknown = np.flatnonzero(~known)

@@ -29,8 +29,6 @@ def linearise(e, c, w, s, f, o, sizes, q, extra):
     second_column(e, c, w, o.z, o.fq)
     turn(f.across, f.along, w.fp, o.fq, o.fr)
     residual(e, w, o.z, s.right_local, o.jump, o.border)
-    for k in range(e.n):
-        o.units[k] = sizes[k]
     if fill(e, w, o.z, o.zero, o.units, s, o.corner) == 0 or condense(s, e.n, e.m) == 0:
         return FAILED
     if c.kind == NS and e.forcing == 0:

@@ -46,7 +46,7 @@ CurveMemory = namedtuple(
         "small",  # (2, 2) or (3, 3)
         "small_pivots",
         "z",  # like z of a family: u, T, lengths, p
-        "units",  # sizes of the states, and ones; zeros: `fill` needs no arclength row here
+        "units",  # ones, and zeros: `fill` needs no arclength row here
         "zero",
         "jump",  # (n,)
         "border",  # (2,)

@@ -6,11 +6,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.scales import bending_lengths, parameter_width, state_scales
-from contin.simulate.beyond_slopes import lengths_beyond_slopes
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, pure_derivatives, sizes_of
 
 if TYPE_CHECKING:
@@ -20,9 +18,7 @@ FARTHER: Final = 10.0  # what a metric may allow for states that grow
 ROUNDED: Final = 1e-8  # of the branch's metric: a length that is smaller at a special point may be its rounding error
 
 
-def scales_at(
-    problem: AlgebraicEquations, z: Array, bounds: tuple[float, float]
-) -> tuple[Array, NDArray[np.bool_], float]:
+def scales_at(problem: AlgebraicEquations, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
     """Sizes of the states (n,), which of them are a mere 1, and the scale of the parameter."""
     width = parameter_width(problem.system.model, problem.parameters[0], float(z[-1]), bounds)
     jacobian = problem.linearise(z)[1]
@@ -31,7 +27,7 @@ def scales_at(
     lengths = None
     if problem.n <= BENDS_UP_TO and np.any(z[:-1] != 0.0):
         lengths = bending_lengths(z[:-1], jacobian, _second_derivatives(problem, z), width)
-    growth = partial(_growth, problem, z, jacobian, width, bounds) if problem.n <= BENDS_UP_TO else None
+    growth = partial(_growth, problem, z, jacobian, width) if problem.n <= BENDS_UP_TO else None
     states, unknown = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
     return states, unknown, width
 
@@ -58,19 +54,10 @@ def _second_derivatives(problem: AlgebraicEquations, z: Array) -> Array:
     return np.column_stack([problem.hessian(z, directions[i])[:, i] for i in range(problem.n)])
 
 
-def _growth(
-    problem: AlgebraicEquations, z: Array, jacobian: Array, width: float, bounds: tuple[float, float]
-) -> tuple[Array, Array]:
-    """`growth_lengths` at rest, (n,), with slopes as large as they become; and second derivatives (n, n).
-
-    Derivatives are the largest at the start and at both ends of the parameter's range: of sin(x) (p^2 cos(x) - 1) the
-    third one vanishes at p = 1/2, and what is left of it there is rounding.
-    """
+def _growth(problem: AlgebraicEquations, z: Array, jacobian: Array, width: float) -> tuple[Array, Array]:
+    """`growth_lengths` at rest, (n,), with slopes as large as they become; and second derivatives (n, n)."""
     n, p = problem.n, problem.full_parameters(z)
     by_parameter = problem.hessian(z, np.eye(1, n + 1, n)[0])[:, :n]
-    slopes = np.nan_to_num(np.maximum(np.abs(jacobian[:, :n]), np.abs(by_parameter) * width))
-    places = [z, *(np.append(z[:n], end) for end in bounds if np.isfinite(end))]
-    known = [pure_derivatives(problem.system, z[:n], problem.full_parameters(place)) for place in places]
-    second, third = np.max(np.array(known), axis=0)
-    lengths = growth_lengths(slopes, second, third)
-    return lengths_beyond_slopes(problem.system, z[:n], p, slopes, lengths), second
+    slopes = np.maximum(np.abs(jacobian[:, :n]), np.abs(by_parameter) * width)
+    second, third = pure_derivatives(problem.system, z[:n], p)
+    return growth_lengths(np.nan_to_num(slopes), second, third), second

@@ -18,7 +18,6 @@ from contin.kernels.collocation_basis import basis
 from contin.kernels.collocation_march import CORRECT, MARCH, PROBE, STABILITY
 from contin.machine import elementary
 from contin.problems.orbits.linearised.resolved_multipliers import resolve
-from contin.problems.orbits.linearised.state_sizes import state_sizes
 from contin.problems.orbits.march.memory import memory_of
 from contin.problems.orbits.march.rows import Rows
 from contin.problems.orbits.march.slow_passage import dwelling
@@ -97,10 +96,7 @@ def multipliers(family: OrbitEquations, z: Array) -> NDArray[np.complex128]:
     """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
     out = Rows.of(1, z.size, TESTS, family.n)
     out.z[0], out.t[0] = z, 0.0
-    scale = np.ones_like(z)
-    nodes = family.profile(z).u.size
-    scale[:nodes] = np.tile(state_sizes(family, z), nodes // family.n)
-    _call(family, STABILITY, out, scale, np.zeros(CONTROLS))
+    _call(family, STABILITY, out, np.ones_like(z), np.zeros(CONTROLS))
     resolve(family, out.z, out.re, out.im)
     return np.asarray(out.re[0] + 1j * out.im[0])
 
