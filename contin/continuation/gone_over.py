@@ -160,15 +160,21 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     return bool(np.all(np.abs(again - there) <= np.maximum(RETURNED * np.abs(at - there), noise * scale)))
 
 
-def followed(problem: Problem, start: Array, places: list[float], scale: Array) -> tuple[Array | None, Array]:
-    """The solution at the last of some parameters in turn, and how far one was from what was foretold, by unknowns."""
-    at, before, hop = start, None, np.zeros_like(start)
+def followed(
+    problem: Problem, start: Array, places: list[float], scale: Array,
+    length: Callable[[Array, Array], Array] = lambda _, change: np.abs(change),
+) -> tuple[Array | None, Array]:  # fmt: skip
+    """The solution at the last of some parameters in turn, and how far one was from what was foretold.
+
+    length : (k,), each compared by itself, of a solution and how far it is from what was foretold.
+    """
+    at, before, hop = start, None, np.zeros(1)
     for place in places:
         guess = at.copy() if before is None else 2.0 * at - before
         found = problem.at_parameter(guess.copy(), place, scale)
         if found is None:
             return None, hop
-        before, at, hop = at, found, np.maximum(hop, np.abs(found - guess))
+        before, at, hop = at, found, np.maximum(hop, length(found, found - guess))
     return at, hop
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.gone_over import APART, RETURNED, VANISHED, first_beyond, suspicious, way_back
+from contin.continuation.gone_over import APART, RETURNED, VANISHED, first_beyond, followed, suspicious, way_back
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 
@@ -83,7 +83,11 @@ def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, floa
         return False
     scale = problem.initial_scale(there, bounds)
     places = way_back(z[::-1, -1])
-    at, hop = _followed(problem, there, places, scale, len(sizes))
+
+    def length(found: Array, change: Array) -> Array:
+        return _size(problem.at_shared_places(found, change))
+
+    at, hop = followed(problem, there, places, scale, length)
     if at is None:
         return False
     one, other, own, row = (problem.at_shared_places(v, v) for v in (there, at, first, here))
@@ -94,26 +98,11 @@ def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, floa
     falls &= (_size(own - row) < APART * _size(row)) & (size > noise * sizes)
     if not np.any(away | falls):
         return False
-    again, _ = _followed(problem, at, [*places[-2::-1], float(there[-1])], scale, len(sizes))
+    again, _ = followed(problem, at, [*places[-2::-1], float(there[-1])], scale, length)
     if again is None:
         return False
     off = _size(problem.at_shared_places(again, again) - one)
     return bool(np.all(off <= np.maximum(RETURNED * _size(other - one), noise * sizes)))
-
-
-def _followed(
-    problem: Problem, start: Array, places: list[float], scale: Array, count: int
-) -> tuple[Array | None, NDArray[np.float64]]:
-    """The solution at the last of some parameters in turn, and how far one of `count` functions was from foretold."""
-    at, before, hop = start, None, np.zeros(count)
-    for place in places:
-        guess = at.copy() if before is None else 2.0 * at - before
-        found = problem.at_parameter(guess.copy(), place, scale)
-        if found is None:
-            return None, hop
-        hop = np.maximum(hop, _size(problem.at_shared_places(found, found - guess)))
-        before, at = at, found
-    return at, hop
 
 
 def _size(functions: Array) -> NDArray[np.float64]:
