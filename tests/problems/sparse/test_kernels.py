@@ -9,12 +9,12 @@ import scipy.sparse as sp
 import contin
 from contin import api
 
-MULTIPLICITIES = (1, 2, 4)
+MULTIPLICITIES = (1, 2, 3, 1, 4)
 
 
 def uncoupled(sparse: bool, stable: int, turned: int | None = None):
     """u' = (lam - c) u - u^3, or the same in turned coordinates; every c with its multiplicity, and stable states."""
-    c = np.concatenate([np.repeat(0.3 * np.arange(1, 4), MULTIPLICITIES), np.linspace(4.0, 20.0, stable)])
+    c = np.concatenate([np.repeat(0.3 * np.arange(1, 6), MULTIPLICITIES), np.linspace(4.0, 20.0, stable)])
     n = len(c)
     q = np.eye(n) if turned is None else np.linalg.qr(np.random.default_rng(turned).normal(size=(n, n)))[0]
 
@@ -32,7 +32,7 @@ def uncoupled(sparse: bool, stable: int, turned: int | None = None):
 
 @pytest.mark.parametrize(("stable", "turned"), [pytest.param(5, None, marks=pytest.mark.long), (40, None), (20, 3)])
 def test_every_multiplicity_is_seen_at_its_place(stable, turned):
-    line = api.continuation(uncoupled(True, stable, turned), "lam", (0.0, 1.1))
+    line = api.continuation(uncoupled(True, stable, turned), "lam", (0.0, 1.7))
     assert [point.type for point in line.points] == ["BP"] * len(MULTIPLICITIES)
     assert tuple(point.vectors["kernel"] for point in line.points) == MULTIPLICITIES
     for k, point in enumerate(line.points, 1):
