@@ -8,8 +8,6 @@ largest size; where the operator is not known entry by entry, until the unstable
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -17,9 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
-from contin.machine import elementary
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -29,11 +25,7 @@ MARGIN = 1.3  # by which the radius exceeds what must be inside
 CONVERGED = 1e-4  # relative error of an eigenvalue, for detection
 SOLVED = 1e-6  # residual of a solve; that part of an eigenvalue is lost by it
 LARGEST_BASIS = 160
-STEPS_OF_DAVIDSON = 6.9  # steps reduce errors to a thousandth
-DAVIDSON_ACCURACY = 1e-2  # of eigenvectors; eigenvalues have its square
-FORESEEN = 0.1  # part of that below which a correction is not made that the last ones say to be as small
 INDEPENDENT = 1e-8  # part of a vector outside of others from which it is not one of their combinations
-TINY = float(np.finfo(float).tiny)
 MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
 
 
@@ -158,62 +150,6 @@ def leading(
             vectors = basis[:size].T @ ritz[:, :keep]
             return Spectrum(values[:keep].astype(complex), vectors.astype(complex), bool(enough and reached))
         size = min(most, size + max(FEWEST, size // 3))
-
-
-def followed(
-    linear: Linear, precondition: Callable[[Array], Array], rate: float, vectors: NDArray[np.complex128],
-    gain: float = np.inf, rightmost: bool = True,
-) -> tuple[Spectrum, float]:
-    """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
-
-    Or, if not `rightmost`, those whose vectors lie in the given ones' space as much as may be.
-
-    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j).  rate : what part of an error it leaves,
-    so that an error is up to 1/(1 - rate) times its correction.  gain : how much larger corrections were than their
-    residuals at the point before; what it is here is returned too. About 2 k applications of the operator
-    and of the approximate inverse, of the latter none where `gain` says that nothing is left to correct.
-    """
-    wanted = vectors.shape[1]
-    real = not vectors.imag.any()
-    basis = orthonormal(vectors.real.T if real else np.vstack([vectors.real.T, vectors.imag.T]))
-    given = len(basis)
-    images = np.array([linear.apply(v) for v in basis])
-    settled, longer = False, 1.0 / (1.0 - rate)
-    for _ in range(math.ceil(STEPS_OF_DAVIDSON / abs(elementary.log(rate))) + 1):
-        values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
-        part = -values.real if rightmost else -np.linalg.norm(ritz[:given], axis=0)
-        order = np.argsort(part, kind="stable")[:wanted]
-        values, ritz = values[order], ritz[:, order].T
-        if settled:  # what the last correction has left is small
-            break
-        parts: list[Array] = []
-        for k in np.flatnonzero(values.imag >= 0.0):
-            residual = _combined(ritz[k], images) - values[k] * _combined(ritz[k], basis)
-            parts += [residual.real, residual.imag] if values[k].imag > 0.0 else [residual.real]
-        left = max(norm(r) for r in parts)
-        if longer * gain * left < FORESEEN * DAVIDSON_ACCURACY:
-            break
-        steps = [outside(step, basis) for step in precondition(np.column_stack(parts)).T]
-        worst = max(norm(s) for s in steps)
-        gain = max(norm(s) / max(norm(r), TINY) for s, r in zip(steps, parts, strict=True))
-        if len(basis) + len(steps) > basis.shape[1]:
-            break
-        fresh = orthonormal(np.array(steps), basis)
-        if not len(fresh):
-            break
-        basis = np.vstack([basis, fresh])
-        images = np.vstack([images, [linear.apply(v) for v in fresh]])
-        settled = rate * longer * worst < DAVIDSON_ACCURACY
-    near = np.argsort(np.abs(values))
-    right = np.array([_combined(ritz[k], basis[: ritz.shape[1]]) for k in near])
-    return Spectrum(values[near].astype(complex), right.T.astype(complex), False), gain
-
-
-def _combined(weights: Vector, rows: Array) -> Vector:
-    """sum w_i rows_i; real weights cost half."""
-    if not np.iscomplexobj(weights) or not weights.imag.any():
-        return np.asarray(np.einsum("i,ij->j", weights.real, rows))
-    return np.asarray(np.einsum("i,ij->j", weights.real, rows) + 1j * np.einsum("i,ij->j", weights.imag, rows))
 
 
 def outside(w: Array, basis: Array) -> Array:

@@ -14,8 +14,9 @@ from contin.abi import Array, Vector
 from contin.continuation import corrector
 from contin.linalg.beside_zero import Nearest, beside_zero, by_approximation
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of
-from contin.linalg.eigen import FEWEST, Spectrum, followed
+from contin.linalg.eigen import FEWEST, Spectrum
 from contin.linalg.far_from_zero import WATCHED, with_far_ones
+from contin.linalg.followed import followed
 from contin.linalg.inertia import positive_eigenvalues
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange
@@ -146,8 +147,8 @@ class LargeEquations(InOneParameterProblem):
         radius, first, symmetric = 0.0, work.vectors is None, False
         old = None if at_zero else self._old_inverse(linear)
         if old is not None and work.vectors is not None:
-            found, work.gain = followed(linear, *old, work.vectors, work.gain)
-            work.vectors = found.vectors
+            found = followed(linear, *old, work.vectors, work.before)
+            work.vectors, work.before = found.vectors, work.vectors
             if int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
                 return self._with_far_ones(linear, found)
         if linear.matrix is not None:
@@ -209,7 +210,7 @@ class LargeEquations(InOneParameterProblem):
         """The same; what the next point begins with is remembered: pairs l with Re l > -watched |l| among it."""
         if found.values.size:
             work = self.work
-            work.vectors = found.vectors[:, _to_follow(found.values)]
+            work.vectors, work.before = found.vectors[:, _to_follow(found.values)], work.vectors
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
             part = np.where(found.values.imag != 0.0, watched, WATCHED)
             near = found.values.real > -part * np.abs(found.values)
@@ -271,7 +272,7 @@ class LargeEquations(InOneParameterProblem):
         """A curve begins at z: eigenvalues are looked for there, not followed from where the last one has ended."""
         judged = self.work.judged
         if judged is None or not np.array_equal(judged[0], z):
-            self.work.vectors = self.work.judged = None
+            self.work.vectors = self.work.before = self.work.judged = None
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         judged = self.work.judged

@@ -42,7 +42,7 @@ class Workspace:
     linear: Linear | None = None
     start: Array | None = None
     vectors: NDArray[np.complex128] | None = None
-    gain: float = np.inf  # see `followed`
+    before: NDArray[np.complex128] | None = None  # those of the point before, see `followed`
     region: Region = field(default_factory=Region)
     of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
