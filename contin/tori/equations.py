@@ -122,7 +122,7 @@ def _linear(strobe: Strobe, metric: Metric, circle: Circle, before: Circle, row:
     matrix, residual = np.zeros((size, size)), []
     matrix[: count * n] = np.hstack([inner * columns, border]) / columns[:, None]
     residual.append(strobe.difference(images, shift @ circle.values).ravel() / columns)
-    slopes = [fourier.shift(count, 0.0)[1] @ before.values]
+    slopes = [fourier.slope(count) @ before.values]
     if free:
         slopes.append(np.array([strobe.speed(u, before.value) for u in before.values]))
     apart = (circle.values - before.values).ravel() / columns

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Final
+
 import numpy as np
 
 from contin.abi import Array
 from contin.machine import elementary
+
+KEPT: Final = 8  # numbers of nodes whose waves are kept: a branch is refined a few times, and looked at between
 
 
 def nodes(count: int) -> Array:
@@ -19,9 +24,26 @@ def _waves(count: int, places: Array) -> tuple[Array, Array]:
     return elementary.cos(phases), elementary.sin(phases)
 
 
+@lru_cache(KEPT)
+def _at_nodes(count: int) -> tuple[Array, Array]:
+    """The waves at the nodes themselves, for reading alone."""
+    waves = _waves(count, nodes(count))
+    for wave in waves:
+        wave.flags.writeable = False
+    return waves
+
+
+@lru_cache(KEPT)
+def slope(count: int) -> Array:
+    """The matrix (M, M) from values at the nodes to slopes there, for reading alone."""
+    matrix = shift(count, 0.0)[1]
+    matrix.flags.writeable = False
+    return matrix
+
+
 def shift(count: int, turn: float) -> tuple[Array, Array]:
     """Matrices (M, M) from values at the nodes to values at s_j + turn, and to their derivatives by turn."""
-    (cos, sin), (even, odd) = _waves(count, nodes(count) + turn), _waves(count, nodes(count))
+    (cos, sin), (even, odd) = _waves(count, nodes(count) + turn), _at_nodes(count)
     orders = np.arange(1, count // 2 + 1)
     slopes = 4.0 * np.pi * ((cos * orders) @ odd.T - (sin * orders) @ even.T) / count
     return (1.0 + 2.0 * (cos @ even.T + sin @ odd.T)) / count, slopes
@@ -29,7 +51,7 @@ def shift(count: int, turn: float) -> tuple[Array, Array]:
 
 def at(count: int, places: Array) -> Array:
     """Matrix (K, M) from values at the nodes to values at the places."""
-    (cos, sin), (even, odd) = _waves(count, places), _waves(count, nodes(count))
+    (cos, sin), (even, odd) = _waves(count, places), _at_nodes(count)
     return np.asarray((1.0 + 2.0 * (cos @ even.T + sin @ odd.T)) / count)
 
 

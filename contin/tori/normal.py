@@ -34,20 +34,29 @@ def exponents(strobe: Strobe, metric: Metric, circle: Circle, jacobians: Array) 
     between = fourier.at(count, places)
     scaled = jacobians * metric.sizes[None, None, :] / metric.sizes[None, :, None]
     matrices = np.tensordot(between[:-1], scaled, axes=1)
-    slopes = fourier.shift(count, 0.0)[1] @ circle.values
+    slopes = fourier.slope(count) @ circle.values
     along = [between @ (slopes / metric.sizes)]
     if strobe.free_time:
         speeds = np.array([strobe.speed(u, circle.value) for u in circle.values])
         along.append(between @ (speeds / metric.sizes))
     bases = np.linalg.qr(np.stack(along, axis=2), mode="complete")[0][:, :, len(along) :]
     cocycle = np.transpose(bases[1:], (0, 2, 1)) @ matrices @ bases[:-1]
-    logs, frame = np.empty((length, across)), np.eye(across)
-    for k, matrix in enumerate(cocycle):
-        frame, triangle = np.linalg.qr(matrix @ frame)
-        logs[k] = elementary.log(np.maximum(np.abs(np.diag(triangle)), np.finfo(float).tiny))
+    logs = elementary.log(np.maximum(_stretched(cocycle), np.finfo(float).tiny))
     t = (np.arange(length) + 0.5) / length
     weight = elementary.exp(-1.0 / (t * (1.0 - t)))
     return np.sort(weight @ logs / weight.sum())[::-1]
+
+
+def _stretched(cocycle: Array) -> Array:
+    """(length, across) factors by which each return stretches the orthonormal vectors that the ones before it left."""
+    across = cocycle.shape[1]
+    if across == 1:
+        return np.abs(cocycle[:, 0])
+    factors, frame = np.empty(cocycle.shape[:2]), np.eye(across)
+    for k, matrix in enumerate(cocycle):
+        frame, triangle = np.linalg.qr(matrix @ frame)
+        factors[k] = np.abs(np.diag(triangle))
+    return factors
 
 
 def _length(rho: float) -> int:
