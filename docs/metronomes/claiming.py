@@ -57,10 +57,11 @@ def pushed(name: str, x: float, y: float, **parameters) -> float:
 
 def amplitudes(model, low: float = 1e-3, high: float = 8.0, **parameters) -> list[float]:
     """Where r' of an averaged model of one metronome changes its sign, by bisection."""
-    at = np.linspace(low, high, 4001)
-    values = [float(rates(model, [r], **parameters)[0]) for r in at]
-    ends = [k for k in range(len(at) - 1) if values[k] * values[k + 1] < 0]
-    return [brentq(lambda r: float(rates(model, [r], **parameters)[0]), at[k], at[k + 1], xtol=1e-13) for k in ends]
+    p = np.array(list(model.default_parameters(parameters).values()), dtype=float)
+    system, at = compiled(model), np.linspace(low, high, 4001)
+    values = system.values(at[:, None], p)[:, 0]
+    ends = np.flatnonzero(values[:-1] * values[1:] < 0)
+    return [brentq(lambda r: float(system.value(np.array([r]), p)[0]), at[k], at[k + 1], xtol=1e-13) for k in ends]
 
 
 def watched(model, name, states, **parameters) -> float:

@@ -3,7 +3,7 @@
 from functools import cache
 
 import numpy as np
-from claiming import EPS, A, B, claim, mu_c
+from claiming import EPS, A, B, claim, loaded, mu_c
 from numpy import pi, sqrt
 
 import contin
@@ -21,15 +21,16 @@ def mu_c_by_continuation(beta: float, eps: float) -> float:
     """mu at the branch point of the in-phase orbit of the piecewise-smooth equations."""
     guess = mu_c(beta)
     orbit = contin.periodic_orbit(
-        contin.load("metronomes/pair"), "in-phase", {"beta": beta, "eps": eps, "mu": guess + 0.4}
+        loaded("pair"), "in-phase", {"beta": beta, "eps": eps, "mu": guess + 0.4}
     )
     branch = contin.continuation(orbit, "mu", (guess - 2, guess + 1))
     return next(p.values["mu"] for p in branch.points if p.type == "BPC")
 
 
+@cache
 def settled(beta: float, mu: float, start: tuple[float, ...] = NEAR_IN_PHASE) -> str:
     """What the equations of motion settle on from (5.01, 0, 5, 0), in words, by amplitudes over the last 3000."""
-    pair, at = contin.load("metronomes/pair"), {"beta": beta, "mu": mu}
+    pair, at = loaded("pair"), {"beta": beta, "mu": mu}
     found = contin.simulate(pair, as_states(start), at, time=3000, transient=12_000, samples=30_000)
     x1, y1, x2, y2 = found.states.T
     one, two = np.hypot(x1, y1), np.hypot(x2, y2)
@@ -69,7 +70,7 @@ def mu_c_at_second_order():
 @cache
 def fold_of_one() -> float:
     """alpha of the fold of one metronome's orbit at eps = 0.01: of a pair in anti-phase, too."""
-    orbit = contin.periodic_orbit(contin.load("metronomes/one"), "oscillating", {"alpha": 0.8})
+    orbit = contin.periodic_orbit(loaded("one"), "oscillating", {"alpha": 0.8})
     branch = contin.continuation(orbit, "alpha", (0.7, 1.0), direction="up")
     return next(p.values["alpha"] for p in branch.points if p.type == "LPC")
 
@@ -78,7 +79,7 @@ def folds_of_the_in_phase_orbit() -> tuple[float, ...]:
     """beta of the fold at mu = 1, 5 and 10, by continuation: at mu = 1 multipliers of a saddle cross beside it."""
     found = []
     for mu in (1.0, 5.0, 10.0):
-        orbit = contin.periodic_orbit(contin.load("metronomes/pair"), "in-phase", {"beta": 0.8, "mu": mu})
+        orbit = contin.periodic_orbit(loaded("pair"), "in-phase", {"beta": 0.8, "mu": mu})
         branch = contin.continuation(orbit, "beta", (0.7, 1.0), direction="up")
         found.append(next(p.values["beta"] for p in branch.points if p.type == "LPC"))
     return tuple(found)

@@ -1,7 +1,7 @@
 """Claims about one metronome: equation of motion, averages, folds. a = 4, b = 1, x1 = 1, x2 = 1.5, eps = 0.01."""
 
 import numpy as np
-from claiming import A, B, averaged, claim, labels, r_star, rates, slopes, watched
+from claiming import A, B, averaged, claim, labels, loaded, r_star, rates, slopes, watched
 from numpy import log, pi, sqrt
 from scipy.optimize import brentq
 
@@ -136,7 +136,7 @@ def sweep_iii_agrees():
     from contin.simulate.sweep import sweep
 
     found = sweep(
-        contin.load("metronomes/one"), "alpha", (0.3, 0.9), start={"x": 2, "y": 0}, steps=2, down=False,
+        loaded("one"), "alpha", (0.3, 0.9), start={"x": 2, "y": 0}, steps=2, down=False,
         measures={"r": "sqrt(x^2 + y^2)"},
     )  # fmt: skip
     return found.columns["r.mean"], [r_star(alpha) for alpha in (0.3, 0.6, 0.9)], [2.342050, 2.194890, 1.932351]
@@ -148,7 +148,7 @@ def bistable_below_the_fold_only():
     from contin.simulate.sweep import sweep
 
     found = sweep(
-        contin.load("metronomes/one"), "alpha", (0.9, 1.0), start={"x": 2, "y": 0}, steps=1, down=False,
+        loaded("one"), "alpha", (0.9, 1.0), start={"x": 2, "y": 0}, steps=1, down=False,
         measures={"r": "sqrt(x^2 + y^2)"},
     )  # fmt: skip
     return [bool(r > 0.1) for r in found.columns["r.max"]], [True, False]

@@ -3,10 +3,8 @@
 from itertools import product
 
 import numpy as np
-from claiming import EPS, A, B, averaged, claim, labels, mu_c, r_star, rates, slopes
+from claiming import EPS, A, B, averaged, claim, labels, loaded, mu_c, r_star, rates, slopes
 from numpy import cos, pi, sin, sqrt
-
-import contin
 
 BETAS, MUS = (0.05, 0.3, 0.6, 0.8, 0.94), (0.05, 1.0, 4.0, 8.0, 15.0)
 SETS = tuple(product(BETAS, MUS))
@@ -141,8 +139,7 @@ def supercritical_pitchfork():
 
 
 def _rest(mu, beta):
-    model = contin.load("metronomes/pair")
-    return slopes(model, (0, 0, 0, 0), mu=mu, beta=beta)
+    return slopes(loaded("pair"), (0, 0, 0, 0), mu=mu, beta=beta)
 
 
 @claim
