@@ -11,6 +11,7 @@ from __future__ import annotations
 import atexit
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from typing import Final, Union
 from weakref import WeakValueDictionary
 
@@ -131,7 +132,14 @@ def exactly(op: str, args: tuple[Expression, ...], value: Number | str | None = 
 
 def number(value: int | float | Fraction) -> Expression:
     """A constant, exact where it can be (`folding.constant`)."""
-    return _make("number", (), constant(value))
+    if type(value) is Fraction:
+        return _ratio(value.numerator, value.denominator)
+    return _ratio(value, 1) if type(value) is int else _make("number", (), constant(value))
+
+
+@lru_cache(4096)  # a few numbers are asked for again and again: looking for a fraction's node takes ten times as long
+def _ratio(numerator: int, denominator: int) -> Expression:
+    return _make("number", (), constant(Fraction(numerator, denominator)))
 
 
 def symbol(name: str) -> Expression:
