@@ -49,6 +49,7 @@ from contin.kernels.steering import (
 from contin.kernels.tests_of_stability import flow_tests, map_tests
 
 TESTS = 4
+BY_PLACE = 2  # of them, those that need no eigenvalues: dp/ds and the determinant
 NEWTON_LIMIT = 7
 MET = 1e-6  # of the sum of the moduli of an equation's linear terms: what may be left of it at a row's Jacobian
 LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
@@ -210,6 +211,14 @@ def measure(
     return flow_tests(re, im, rates, tests)
 
 
+@kernel("f1 -> i")
+def without_time(tests):
+    """Tests of eigenvalues become constant, and none is unstable."""
+    for i in range(BY_PLACE, TESTS):
+        tests[i] = 1.0
+    return 0
+
+
 def memory(n: int, p_size: int) -> tuple[Array | NDArray[np.int64], ...]:
     """Arrays that `probes` and `march` work in, for n equations with so many parameters: their last arguments.
 
@@ -291,8 +300,9 @@ def march(
 ):  # fmt: skip
     """Follow the curve from row 0 of out_z (with guide tangent out_t[0], scaled) for up to `limit` accepted points.
 
-    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, trust]
-        h_previous = 0 where `previous_tangent` and `previous_tests` (tests relative to row 0) are unknown.
+    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, trust, timeless]
+        h_previous = 0 where `previous_tangent` and `previous_tests` (tests relative to row 0) are unknown. timeless :
+        not 0 where equations only vanish: eigenvalues of their Jacobian mean nothing.
     bounds : [lo, hi] of the parameter.  loop_z : start of the branch, or empty when closing is not looked for.
     out_* : one row a point; out_h[k] is the step that led to row k.
     info : [rows beyond row 0, next h, evaluations, log-determinant reference, test that dipped, h that failed]
@@ -301,7 +311,7 @@ def march(
     """
     n = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
-    h_previous, target_angle, trust = controls[5], controls[6], controls[7]
+    h_previous, target_angle, trust, timeless = controls[5], controls[6], controls[7], controls[8] != 0.0
     info[:] = 0.0
     info[1] = h
     for j in range(n + 1):
@@ -318,6 +328,8 @@ def march(
         is_map, matrix, sign, reference, pivots, block, tangent, tests, out_re[0], out_im[0], out_re[0], out_im[0],
         rates, work,
     )  # fmt: skip
+    if timeless:
+        unstable = without_time(tests)
     scale_of_det = abs(tests[1])  # |t| correction of row 0: make its determinant exactly +-1
     if scale_of_det > 0.0:
         reference += math.log(scale_of_det)
@@ -356,6 +368,8 @@ def march(
                 is_map, matrix, sign, reference, pivots, block, out_t[row], tests, out_re[row], out_im[row], out_re[k],
                 out_im[k], rates, work,
             )  # fmt: skip
+            if timeless:
+                unstable = without_time(tests)
             cosine = 0.0
             for j in range(n + 1):
                 cosine += tangent[j] * out_t[row, j]

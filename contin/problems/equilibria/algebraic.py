@@ -14,12 +14,11 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
-from contin.continuation.sample import Chunk, Frame, Sample, Stop
+from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
-from contin.kernels.steering import is_dip
+from contin.kernels.algebraic import BY_PLACE
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
-CONSIDERED = 2  # test functions: dp/ds and the determinant
 NONE = np.zeros(0, complex)
 
 
@@ -36,16 +35,7 @@ class AlgebraicProblem(EquilibriumProblem):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
-        tests = chunk.tests.copy()
-        tests[:, CONSIDERED:] = 1.0
-        crossed = len(chunk) > 1 and bool(np.any(tests[-1] * tests[-2] <= 0.0))
-        stop, dipped = chunk.stop, chunk.dipped
-        if (stop is Stop.EVENT and not crossed) or (stop is Stop.DIP and dipped >= CONSIDERED):
-            dipped = _dip(chunk, before, length)  # what eigenvalues stop a march for may be two zeros of these
-            stop = Stop.LIMIT if dipped < 0 else Stop.DIP
-        count = len(chunk)
-        still, none = np.zeros(count, np.int64), np.zeros((count, 0), complex)
-        return replace(chunk, tests=tests, unstable=still, eigenvalues=none, stop=stop, dipped=dipped)
+        return replace(chunk, eigenvalues=np.zeros((len(chunk), 0), complex))
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return _without_stability(super().probe(base, length, guess, frame, settings))
@@ -70,11 +60,11 @@ class AlgebraicProblem(EquilibriumProblem):
         if found is None:
             return None
         tests, counts = found
-        tests[:, CONSIDERED:] = 1.0
+        tests[:, BY_PLACE:] = 1.0
         return tests, [min(count, 0) for count in counts]
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        fold, determinant = (bool(x) for x in a.tests[:CONSIDERED] * b.tests[:CONSIDERED] < 0.0)
+        fold, determinant = (bool(x) for x in a.tests[:BY_PLACE] * b.tests[:BY_PLACE] < 0.0)
         if determinant:
             return ("BP",)
         return ("LP",) if fold else ()
@@ -87,27 +77,10 @@ class AlgebraicProblem(EquilibriumProblem):
         return [item for item in found if not isinstance(item, Verified) or item.type in ("LP", "BP")]
 
 
-def _dip(chunk: Chunk, before: Sample | None, length: float) -> int:
-    """The test that comes close to zero at the last row but one without changing its sign; -1: none does.
-
-    before : the sample before the chunk, at this length from its first row.
-    """
-    if len(chunk) < 2 or (len(chunk) == 2 and before is None):
-        return -1
-    tests, lengths = chunk.tests[-3:], chunk.lengths[-2:]
-    if len(chunk) == 2:
-        assert before is not None
-        tests, lengths = np.vstack([before.tests, chunk.tests]), np.array([length, chunk.lengths[-1]])
-    for k in range(CONSIDERED):
-        if is_dip(*tests[:, k], *lengths):
-            return k
-    return -1
-
-
 def _without_stability(found: Sample | None) -> Sample | None:
     if found is None:
         return None
-    tests = np.append(found.tests[:CONSIDERED], np.ones(len(found.tests) - CONSIDERED))
+    tests = np.append(found.tests[:BY_PLACE], np.ones(len(found.tests) - BY_PLACE))
     return replace(found, tests=tests, unstable=0, eigenvalues=NONE)
 
 

@@ -51,6 +51,7 @@ def march(
         step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
         settings.newton_tolerance,
         length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, trust(problem),
+        float(problem.is_timeless),
     ])  # fmt: skip
     reason = kernel.march(
         problem.system.jacobian_address, problem.is_map, problem.base.copy(), problem.active, frame.scale,
