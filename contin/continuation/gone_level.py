@@ -22,6 +22,7 @@ STRAY: Final = 0.3  # part of a change in an arm's last step that the step befor
 NOISE: Final = 1e-5  # of a column's size: smaller changes say nothing, for meshes leave as much of it unknown
 MOST: Final = 3  # suspicious steps of an arm that are looked at
 NEXT: Final = 3  # rows beyond
+CLEAR: Final = 10.0  # times what solving again moves a column by: a change that is no rounding
 
 
 def gone_level(
@@ -33,21 +34,24 @@ def gone_level(
     """
     names = [name for name, column in columns.items() if name != problem.parameters[0] and np.isfinite(column).all()]
     values = np.array([columns[name] for name in names]).T
+    own = z[start][np.isfinite(z[start])]
+    free = dict(zip(problem.free_names, problem.free_sizes(own, bounds).tolist(), strict=True))
+    sizes = np.maximum(np.abs(values).max(axis=0), [free.get(name, 0.0) for name in names])
     found = []
     for sense in (1, -1):
         rows = np.arange(start, len(z)) if sense == 1 else np.arange(start, -1, -1)
         steps = [
-            k for k in _levelling(values[rows], z[rows, -1])
+            k for k in _levelling(values[rows], z[rows, -1], sizes)
             if labelled.isdisjoint(int(row) for row in rows[k : k + NEXT + 2])
         ]  # fmt: skip
         for k in steps[:MOST]:
-            if _are_two(problem, z[rows[k : k + NEXT + 1]], names, bounds):
+            if _are_two(problem, z[rows[k : k + NEXT + 1]], names, sizes, bounds):
                 found.append(int(rows[k + 1]))
                 break
     return sorted(found)
 
 
-def _levelling(values: Array, p: Array) -> list[int]:
+def _levelling(values: Array, p: Array, size: Array) -> list[int]:
     """Rows k after which a column hardly changes: that before k did so, with the parameter going the same way."""
     if len(p) < NEXT + 2:
         return []
@@ -56,7 +60,6 @@ def _levelling(values: Array, p: Array) -> list[int]:
         return []
     with np.errstate(divide="ignore", invalid="ignore"):
         rates = np.abs(change / way[:, None])
-    size = np.abs(values).max(axis=0)
     falls: NDArray[np.bool_] = rates[NEXT:] < LEVEL * rates[: -NEXT]
     falls &= (np.abs(change[:-NEXT]) > NOISE * size) & (way[:-NEXT] * way[NEXT:] > 0.0)[:, None]
     last = np.abs(change[-1] - change[-2] / way[-2] * way[-1]) > STRAY * np.abs(change[-1])  # nothing is known beyond
@@ -64,8 +67,11 @@ def _levelling(values: Array, p: Array) -> list[int]:
     return [*(int(k) + 1 for k in np.flatnonzero(falls.any(axis=1))), *([len(p) - 2] if last.any() else [])]
 
 
-def _are_two(problem: Problem, z: Array, names: list[str], bounds: tuple[float, float]) -> bool:
-    """True where the last of some rows goes back, by their parameters, to another solution than the first."""
+def _are_two(problem: Problem, z: Array, names: list[str], size: Array, bounds: tuple[float, float]) -> bool:
+    """True where the last of some rows goes back, by their parameters, to another solution than the first.
+
+    A column that is zero but for rounding (a damping under which orbits of a conservative system exist) says nothing.
+    """
     here, there = (row[np.isfinite(row)] for row in (z[0], z[-1]))
     first = problem.at_parameter(here.copy(), float(here[-1]), problem.initial_scale(here, bounds))
     at, scale = there, problem.initial_scale(there, bounds)
@@ -74,10 +80,12 @@ def _are_two(problem: Problem, z: Array, names: list[str], bounds: tuple[float, 
         if found is None:
             return False
         at = found
-    if first is None:
+    again = problem.at_parameter(there.copy(), float(there[-1]), scale)
+    if first is None or again is None:
         return False
-    rows = [problem.columns(row[None]) for row in (there, at, first)]
-    beyond, other, own = (np.array([float(row[name][0]) for name in names]) for row in rows)
+    rows = [problem.columns(row[None]) for row in (there, at, first, here, again)]
+    beyond, other, own, row, once_more = (np.array([float(row[name][0]) for name in names]) for row in rows)
+    rounding = CLEAR * np.maximum(np.abs(own - row), np.abs(once_more - beyond))
     moved = np.abs(own - beyond)
-    size = np.maximum(np.abs(own), np.abs(beyond))
-    return bool(np.any((np.abs(other - own) > APART * moved) & (moved > NOISE * size)))
+    counts = moved > np.maximum(NOISE * size, rounding)
+    return bool(np.any((np.abs(other - own) > APART * moved) & counts))

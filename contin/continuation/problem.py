@@ -145,6 +145,10 @@ class Problem(ABC):
         """Parameters that are solved for beside the varying ones, so that conditions hold."""
         return ()
 
+    def free_sizes(self, z: Array, bounds: tuple[float, float]) -> Array:
+        """What changes of those count by, at z; 0 where nothing is known."""
+        return np.zeros(len(self.free_names))
+
     def effort(self) -> Mapping[str, int]:
         """What is counted beside evaluations, since the problem was made: factorisations of large systems, e.g."""
         return {}

@@ -61,6 +61,9 @@ class ConditionedEquations(Problem):
     def free_names(self) -> tuple[str, ...]:
         return tuple(self.inner.system.parameter_names[k] for k in self.free)
 
+    def free_sizes(self, z: Array, bounds: tuple[float, float]) -> Array:
+        return self.free_values(self.initial_scale(z, bounds))
+
     @property
     def system(self) -> Any:
         return self.inner.system
