@@ -130,7 +130,7 @@ def _together(problem: BoundaryEquations, near: Sample, frame: Frame) -> Sequenc
         if not isinstance(one, Verified):
             continue
         same = [o for o in found if _is_one(one, o, mesh, local)]
-        if not same or all(_kernel(one) > _kernel(o) for o in same):  # one mode alone: of a place that is a little off
+        if not same or all(_told(one) > _told(o) for o in same):  # one mode alone: of a place that is a little off
             found = [o for o in found if o not in same] + [one]
     if not found:
         return [verify(problem, "BP", near, frame)]
@@ -142,6 +142,15 @@ def _together(problem: BoundaryEquations, near: Sample, frame: Frame) -> Sequenc
 
 def _kernel(found: Outcome) -> int:
     return int(found.normal_form.get("kernel", 1)) if isinstance(found, Verified) else 1
+
+
+def _told(found: Outcome) -> tuple[int, bool]:
+    """How much is known of a place: the dimension of its kernel, and whether all branches through it are.
+
+    On a mesh each mode vanishes at a place of its own, as far off as its error: the largest sees the others.
+    """
+    known = isinstance(found, Verified) and found.normal_form.get("kind") != "degenerate"
+    return _kernel(found), known
 
 
 def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:

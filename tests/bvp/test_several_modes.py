@@ -81,7 +81,6 @@ def test_three_branches_leave_where_two_transcritical_points_coincide():
     assert ways == {(True, False), (False, True), (True, True)}
 
 
-
 def test_two_modes_that_vanish_next_to_each_other_are_two_labels_and_no_multiple_one():
     """u'' + p (u - u^3) = 0 beside w'' + q p (w - w^3) = 0: pi^2 and pi^2/q, a part of 1e-9 apart."""
     q = 1.0 + 1e-9
@@ -94,3 +93,20 @@ def test_two_modes_that_vanish_next_to_each_other_are_two_labels_and_no_multiple
     for point, exact in zip(points, (np.pi**2 / q, np.pi**2), strict=True):
         assert abs(point.values["p"] - exact) <= point.error < 1e-11
         assert point.normal_form["kind"] != "multiple"
+
+
+def test_two_modes_of_different_accuracy_that_vanish_together_are_one_multiple_point():
+    """A hinged beam on a foundation, w'''' + P w'' + k w + w^3 = 0: P = 5 pi^2 for one half-wave and for two at
+    k = 4 pi^4. With amplitudes a, b the reduced equations are a (pi^2 m - a^2 - 2 b^2), b (4 pi^2 m - b^2 - 2 a^2):
+    each mode alone, and none together. On a mesh the second mode's place is off by more than the first one's error."""
+    model = contin.load({
+        "name": "beam", "kind": "bvp", "time": {"name": "t", "from": 0, "to": 1}, "states": dict.fromkeys("wxyz", 0),
+        "parameters": {"P": {"value": 40.0, "range": [40, 60]}},
+        "equations": {"w": "x", "x": "y", "y": "z", "z": "-P*y - 4*pi^4*w - w^3"},
+        "conditions": [f"{name}({end}) = 0" for name in "wy" for end in ("start", "end")],
+    })  # fmt: skip
+    (point,) = contin.continuation(contin.boundary_problem(model), "P", (40, 60)).points
+    assert abs(point.values["P"] - 5.0 * np.pi**2) <= point.error < 1e-8
+    assert {k: point.normal_form[k] for k in ("kind", "kernel", "scaling", "branches")} == {
+        "kind": "multiple", "kernel": 2, "scaling": "cubic", "branches": 3,
+    }  # fmt: skip
