@@ -35,6 +35,7 @@ STUCK: Final = "no step is taken in any metric: what is followed shrinks to a po
 MOST_IDLE: Final = 20  # each in a metric of its own, where one serves at all
 NEAR: Final = 4.0  # steps: what a corner is crossed to lies so near to the row before
 NOISE: Final = 10.0  # of the corrector's tolerance: what it leaves in a row
+BESIDE: Final = 1.5  # times a step's length in the parameters: from its middle, to a labelled point that explains it
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 
 
@@ -56,7 +57,6 @@ class Arm:
     zeros: ThroughZero = field(init=False)
     idle: int = 0  # chunks in succession without a step that want another metric
     retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
-    from_label: bool = False  # whether the last chunk led to a labelled point, from which the next one goes on
 
     def __post_init__(self) -> None:
         self.zeros = ThroughZero(self.course.problem)
@@ -150,11 +150,17 @@ class Arm:
         rows = self.zeros.passed(chunk, segment.found)
         notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
         hiding = segment.hiding + len(notes)
-        last = len(chunk) - 2 if segment.found else len(chunk)  # at labelled points other curves may cross
-        rows = [row for row in chunk.crossed if row < last and not (row == 1 and self.from_label)]
+        last = len(chunk) - (chunk.stop is Stop.BOUND)  # where a step ends beyond a bound, they may cross there
+        rows = [row for row in chunk.crossed if row < last and not self._is_labelled(chunk, row)]
         notes += [f"{CROSSED} near {self.course.position(chunk.z[row])}" for row in rows]
-        self.from_label = bool(segment.found)
         return replace(segment, notes=(*segment.notes, *notes), hiding=hiding) if notes else segment
+
+    def _is_labelled(self, chunk: Chunk, row: int) -> bool:
+        """Whether the parameters of a labelled point, at which other curves may cross, are about the step to a row."""
+        places = [index for index, *_ in self.problem.walls]  # type: ignore[attr-defined]
+        ends, scale = chunk.z[row - 1 : row + 1, places], self.scale[places]
+        middle, reach = ends.mean(axis=0), BESIDE * norm((ends[1] - ends[0]) / scale)
+        return any(norm((known.z[places] - middle) / scale) <= reach for known in self.course.known)
 
     def _marched(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int

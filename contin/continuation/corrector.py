@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Failure
-from contin.kernels.steering import STAGNATION, STALLED
+from contin.kernels.steering import ONE_POINT, STAGNATION, STALLED, TOLD
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
@@ -36,6 +36,7 @@ class Decisions:
     rate of the last two.  old : the last step's serves for a first correction below this part of the step.
     off : tangents and tests want a matrix from no farther than that.  cubic : steps are predicted by the cubic through
     two points and their tangents, where corrections are dear; else by the last tangent and its change.
+    told : scaled distance of two curves from which on they certainly do not cross.
     """
 
     wanted: float = 0.02
@@ -49,10 +50,12 @@ class Decisions:
     old: float = np.inf
     off: float = np.inf
     cubic: bool = False
+    told: float = TOLD
 
 
 EQUILIBRIA = Decisions()
-IN_TWO_PARAMETERS = Decisions(guarded=2, signed=True, dips=2)  # tests 0 and 1 are of the curve, not of its points
+# tests 0 and 1 are of the curve, not of its points
+IN_TWO_PARAMETERS = Decisions(guarded=2, signed=True, dips=2, told=ONE_POINT)
 
 
 class Linearisation(Protocol):
@@ -80,6 +83,14 @@ class Judged(Protocol):
     @property
     def met(self) -> bool:
         """True where what is left of every equation is small beside its linear terms."""
+
+
+class Forming(Protocol):
+    """A linearisation on a curve of branch points."""
+
+    @property
+    def form(self) -> Array | None:
+        """(2, 2): second derivatives of the branching equation in the plane of the null vectors."""
 
 
 class Correcting(Protocol):
@@ -159,7 +170,7 @@ def correct(
             now, fresh = problem.linearisation(z, tangent, scale), True
         if now is None:
             return Failure.NOT_FINITE
-        if now.sign == 0:
+        if not offers(type(now), "regular") and now.sign == 0:  # which takes time to read from sparse factors
             return Failure.SINGULAR
         right = np.append(-now.residual, length - dot(tangent, y))
         if chord and fresh and here is not None and UNSEEN * gain * norm(right) <= tolerance and _is_dear(now):

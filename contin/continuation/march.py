@@ -20,6 +20,7 @@ from contin.continuation.corrector import (
     Correctable,
     Corrected,
     Decisions,
+    Forming,
     Linearisation,
     correct,
     offers,
@@ -29,8 +30,9 @@ from contin.continuation.outcome import Failure
 from contin.continuation.problem import InTwoParameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
-from contin.continuation.turning_off import length_before
+from contin.continuation.turning_off import Solved, Verdict, verdict_on
 from contin.kernels import steering
+from contin.kernels.special_orbits.sides import mixed_ratio
 from contin.kernels.steering import AT_CORNER, RESCALE_AT, STRAYED, TURNED, is_dip
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
@@ -119,6 +121,7 @@ def march(
     reference = 0.0 if here is None else here.log_determinant
     rows: list[Sample] = [origin]
     lengths = [0.0]
+    crossings: list[int] = []
 
     def chunk(stop: Stop, next_step: float, dipped: int = 0, detail: str = "") -> Chunk:
         width = max(len(r.eigenvalues) for r in rows)
@@ -128,18 +131,14 @@ def march(
         return Chunk(
             np.array([r.z for r in rows]), np.array([r.tangent for r in rows]), np.array([r.tests for r in rows]),
             np.array([r.unstable for r in rows]), eigenvalues, np.array(lengths), stop, next_step, reference, dipped,
-            evaluations, detail, _crossed(rows, walled),
+            evaluations, detail, tuple(crossings),
         )  # fmt: skip
 
     if here is None:
         return chunk(Stop.NOT_FINITE, step)
     if here.sign == 0:
         return chunk(Stop.CORRECTOR, step)
-    first = measure(problem, Corrected(origin.z, np.zeros(len(scale)), here, 0.0, 1), reference)
-    if first.tests[1] != 0.0:
-        reference += float(elementary.log(abs(first.tests[1])))
-        first.tests[1] = np.sign(first.tests[1])
-    rows[0] = first
+    rows[0], reference = _first_row(problem, origin, here)
     h, h_previous = step, length if before is not None else 0.0
     old, nearest = before, here
     while len(rows) <= limit:
@@ -152,6 +151,8 @@ def march(
         if isinstance(taken, _Refused):
             return chunk(taken.stop, h)
         sample, found, corner = taken.sample, taken.found, taken.corner
+        if taken.crossed:
+            crossings.append(len(rows))
         rows.append(sample)
         lengths.append(h)
         angle = target_angle if corner else float(elementary.acos(min(taken.cosine, 1.0)))
@@ -168,6 +169,16 @@ def march(
     return chunk(Stop.LIMIT, h)
 
 
+def _first_row(problem: Marchable, origin: Sample, here: Linearisation) -> tuple[Sample, float]:
+    """Row 0 with the logarithm of a determinant that makes its own 1 or -1."""
+    reference = here.log_determinant
+    first = measure(problem, Corrected(origin.z, np.zeros(len(origin.z)), here, 0.0, 1), reference)
+    if first.tests[1] != 0.0:
+        reference += float(elementary.log(abs(first.tests[1])))
+        first.tests[1] = np.sign(first.tests[1])
+    return first, reference
+
+
 @dataclass(frozen=True, eq=False)
 class _Refused:
     """No step from the last row, however short."""
@@ -181,7 +192,7 @@ class _Refused:
 class _Taken:
     """A step that is accepted; `corner`: the shortest that there is, although it turns too sharply.
 
-    most : of the next step: the distance of another curve beside which this one turns off.
+    most : of the next step: the distance of another curve beside which this one turns off.  crossed : by another one.
     """
 
     sample: Sample
@@ -191,6 +202,7 @@ class _Taken:
     length: float
     evaluations: int
     most: float = np.inf
+    crossed: bool = False
 
 
 def _step(
@@ -199,7 +211,7 @@ def _step(
     walled: InTwoParameters | None,
 ) -> _Taken | _Refused:  # fmt: skip
     """A step of length h, or of what is left of it where the corrector fails or the path turns too sharply."""
-    most, asks = np.inf, walled is not None and walled.knows_crossings
+    look, asks = Verdict(None), walled is not None
     cos_max = elementary.cos(np.radians(settings.max_angle))
     curved = old is not None and h_previous > 0
     evaluations = blocks = 0
@@ -241,42 +253,50 @@ def _step(
             continue
         if verdict == AT_CORNER:
             return _Taken(sample, found, cosine, True, h, evaluations)
-        if asks and sample.tests[1] * last.tests[1] < 0.0:
-            shorter, most = _before_turning_off(problem, old, last, h_previous, h, scale, settings, found, decisions)
-            asks, h = shorter is not None, h if shorter is None else shorter
+        if asks and _solved(found, nearest).sign * last.tests[1] < 0.0:
+            look = _where_it_turns_off(problem, old, last, h_previous, h, scale, settings, found, decisions)
+            asks = look.length is not None
+            h = h if look.length is None else look.length
             if asks:
                 continue
-            most = np.inf
         landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
         if landed and blocks < 8 and h > settings.min_step:
             blocks = 8
             h = max(0.9 * h, settings.min_step)
             continue
-        return _Taken(sample, found, cosine, False, h, evaluations, most)
+        return _Taken(sample, found, cosine, False, h, evaluations, look.most, look.tells(decisions.told))
 
 
-def _before_turning_off(
+def _where_it_turns_off(
     problem: Marchable, old: Sample | None, last: Sample, h_previous: float, h: float, scale: Array, settings: Settings,
     found: Corrected, decisions: Decisions,
-) -> tuple[float | None, float]:  # fmt: skip
-    """`contin.continuation.turning_off.length_before` of a step from `last` to what was found."""
+) -> Verdict:  # fmt: skip
+    """`contin.continuation.turning_off.verdict_on` a step from `last` to what was found."""
+    here = problem.linearisation(last.z, last.tangent, scale)
+    if here is None:
+        return Verdict(None)
     cos_max = elementary.cos(np.radians(settings.max_angle))
 
-    def at(length: float) -> tuple[Array, float] | None:
+    def at(length: float, here: Linearisation = here) -> Solved | None:
         guess = _predicted(old, last, h_previous, length, scale, decisions)
         there = correct(problem, last.z, last.tangent, length, guess, scale, settings.newton_tolerance)
         if isinstance(there, Failure) or steering.leaves(norm(there.y), length, cos_max, settings.newton_tolerance):
             return None
-        return there.y, there.last.sign
+        return _solved(there, here)
 
-    return length_before(at, np.zeros_like(found.y), found.y, float(last.tests[1]), h, settings.min_step)
+    origin = Solved(np.zeros_like(found.y), here.sign, here.log_determinant)
+    return verdict_on(at, origin, _solved(found, here), h, settings.min_step)
 
 
-def _crossed(rows: list[Sample], walled: InTwoParameters | None) -> tuple[int, ...]:
-    """Rows before which another curve crosses."""
-    if walled is None or not walled.knows_crossings:
-        return ()
-    return tuple(k for k in range(1, len(rows)) if rows[k].tests[1] * rows[k - 1].tests[1] < 0.0)
+def _solved(found: Corrected, origin: Linearisation) -> Solved:
+    """A corrected point with its determinant, that of branch points over their mixed coefficient: `mixed_ratio`."""
+    sign, log = found.last.sign, found.last.log_determinant
+    if offers(type(found.last), "form"):
+        before, here = cast(Forming, origin).form, cast(Forming, found.last).form
+        ratio = 1.0 if before is None or here is None else float(mixed_ratio(before, here, 0))
+        if ratio != 0.0:
+            sign, log = float(np.sign(ratio)) * sign, log + float(elementary.log(abs(ratio)))
+    return Solved(found.y, sign, log)
 
 
 def _predicted(

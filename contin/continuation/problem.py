@@ -74,10 +74,6 @@ class InTwoParameters(Protocol):
     def growing(self) -> NDArray[np.bool_]:
         """(N,) true for the unknowns whose scale may be outgrown."""
 
-    @property
-    def knows_crossings(self) -> bool:
-        """Whether tests[1], the determinant of [F_z; tangent], changes its sign just where another curve crosses."""
-
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with unknown `index` fixed at `value`, to full precision."""
 
@@ -220,11 +216,6 @@ class Problem(ABC):
     def mesh_error(self, z: Array, sizes: Array) -> float:
         """The estimated error of a solution by its mesh, relative to sizes of its functions; 0 where there is none."""
         return 0.0
-
-    @property
-    def knows_crossings(self) -> bool:
-        """See `InTwoParameters`."""
-        return False
 
     @abstractmethod
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:

@@ -2,31 +2,56 @@
 
 The determinant of [F_z; tangent] has one sign along a curve, and changes it where another curve crosses: or on the way
 to another one, past which this one turns. The step is bisected: where its two ends, on either side of the determinant,
-come to one point, curves cross; else this one turns off, and is followed in shorter steps.
+come to one point, curves cross if it is smaller there (equations with borders have poles, too, where it changes its
+sign through infinity); else this one turns off, and is followed in shorter steps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from contin.abi import Array
-from contin.kernels.steering import BEFORE, BISECTED, ONE_POINT
+from contin.kernels.steering import BEFORE, BISECTED, LEAST, ONE_POINT, SHIFT
 from contin.linalg.vectors import norm
 
-CROSSED: Final = "another curve crosses this one, or passes it at less than 1e-7 of the range"
-SHIFT, LEAST = 0.7, 0.1  # parts of what is left at which it is cut, where half of it has no solution
+CROSSED: Final = "another curve crosses this one, or passes it too closely to be told from it"
 
 
-def length_before(
-    at: Callable[[float], tuple[Array, float] | None], origin: Array, end: Array, side: float, h: float, shortest: float
-) -> tuple[float | None, float]:
-    """(length, distance): of the step that ends before the curve turns off, None where another one crosses it.
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A point at some length: scaled way from the origin, sign of the determinant, logarithm of its modulus."""
 
-    at : the point (scaled) and the determinant some length from the origin, None where there is none.  end : the
-    point at length h, whose determinant has not the sign `side`.  distance : of the two curves.
+    y: Array
+    sign: float
+    log: float
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """length : of the step that ends before the curve turns off, None where it does not.  most : of the next one.
+
+    crossed : whether another curve crosses this one.
+    """
+
+    length: float | None
+    most: float = np.inf
+    crossed: bool = False
+
+    def tells(self, apart: float) -> bool:
+        """Whether another curve crosses, or passes no farther away than `apart`."""
+        return self.crossed or self.most <= apart
+
+
+def verdict_on(
+    at: Callable[[float], Solved | None], origin: Solved, end: Solved, h: float, shortest: float
+) -> Verdict:
+    """What the determinant's change of sign between the origin and the end of a step of length h means.
+
+    at : the point some length from the origin, None where there is none.
     """
     low, high, below, above, fraction = 0.0, h, origin, end, 0.5
     while high - low > BISECTED * h and fraction > LEAST:
@@ -36,11 +61,11 @@ def length_before(
             fraction *= SHIFT
             continue
         fraction = 0.5
-        if found[1] * side > 0.0:
-            low, below = length, found[0]
+        if found.sign * origin.sign > 0.0:
+            low, below = length, found
         else:
-            high, above = length, found[0]
-    apart = norm(np.asarray(above - below))
+            high, above = length, found
+    apart = norm(np.asarray(above.y - below.y))
     if apart <= ONE_POINT or low <= shortest:
-        return None, apart
-    return max(low - BEFORE * apart, 0.5 * low, shortest), apart
+        return Verdict(None, crossed=max(below.log, above.log) < max(origin.log, end.log))
+    return Verdict(max(low - BEFORE * apart, 0.5 * low, shortest), apart)

@@ -14,13 +14,15 @@ import math
 
 import numpy as np
 
-from contin.kernels.algebraic import correct, diagonal_sign, linearise
+from contin.kernels.algebraic import correct, linearise
 from contin.kernels.between import guess_between, is_between
 from contin.kernels.compile import allocating, call5, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
 from contin.kernels.grading import uniform_rates
 from contin.kernels.lyapunov import lyapunov_terms
+from contin.kernels.null_vectors import leading_block, null_vectors
+from contin.kernels.sides import side_of
 from contin.kernels.steering import (
     BEFORE,
     BOUND,
@@ -29,7 +31,6 @@ from contin.kernels.steering import (
     LIMIT,
     LOOP,
     NOT_FINITE,
-    ONE_POINT,
     RESCALE,
     RESCALE_AT,
     SHORTEST,
@@ -46,74 +47,9 @@ from contin.kernels.steering import (
 from contin.kernels.tests_of_stability import flow_tests
 from contin.kernels.turning_off import turning_off
 
-FOLD, HOPF, BRANCH = range(3)
+FOLD, HOPF = range(2)
 TESTS = 6
 CENTRES = 1e-9  # of its terms, a first Lyapunov coefficient that stays zero, as of centres: what rows are off by
-
-
-@allocating("f2, f1, f1 -> f")
-def null_vectors(a, right, left):
-    """Unit null vectors of a nearly singular matrix (destroyed) by elimination with complete pivoting.
-
-    Oriented such that adj(a) = c right left^T with c > 0; returns the product of all pivots but the last, with its sign
-    absorbed in the orientation (so >= 0).
-    """
-    n = a.shape[0]
-    rows = np.arange(n)
-    columns = np.arange(n)
-    product = 1.0
-    for k in range(n - 1):
-        r = k
-        c = k
-        largest = -1.0
-        for i in range(k, n):
-            for j in range(k, n):
-                if abs(a[i, j]) > largest:
-                    largest = abs(a[i, j])
-                    r = i
-                    c = j
-        if r != k:
-            product = -product
-            rows[k], rows[r] = rows[r], rows[k]
-            for j in range(n):
-                a[k, j], a[r, j] = a[r, j], a[k, j]
-        if c != k:
-            product = -product
-            columns[k], columns[c] = columns[c], columns[k]
-            for i in range(n):
-                a[i, k], a[i, c] = a[i, c], a[i, k]
-        if not largest > 0.0:
-            product = 0.0
-            break
-        product *= a[k, k]
-        for i in range(k + 1, n):
-            a[i, k] /= a[k, k]
-            for j in range(k + 1, n):
-                a[i, j] -= a[i, k] * a[k, j]
-    x = np.zeros(n)
-    y = np.zeros(n)
-    x[n - 1] = 1.0
-    y[n - 1] = 1.0
-    for i in range(n - 2, -1, -1):
-        s = 0.0
-        t = 0.0
-        for j in range(i + 1, n):
-            s -= a[i, j] * x[j]
-            t -= a[j, i] * y[j]
-        x[i] = s / a[i, i] if a[i, i] != 0.0 else 0.0
-        y[i] = t
-    x_norm = 0.0
-    y_norm = 0.0
-    for i in range(n):
-        x_norm += x[i] * x[i]
-        y_norm += y[i] * y[i]
-    x_norm = math.sqrt(x_norm)
-    y_norm = math.sqrt(y_norm)
-    sign = -1.0 if product < 0.0 else 1.0
-    for i in range(n):
-        right[columns[i]] = sign * x[i] / x_norm
-        left[rows[i]] = y[i] / y_norm
-    return abs(product)
 
 
 @kernel("f1, f1, i, i, f1, f1 -> i")
@@ -168,14 +104,6 @@ def rest_product(re, im, count, pair):
         if im[i] == 0.0 and re[i] < 0.0:
             sign = -sign
     return sign * smallest / largest if largest > 0.0 and count > 0 else 1.0
-
-
-@kernel("f2, f2")
-def leading_block(matrix, out):
-    """out (n, n) = the first n rows and columns of matrix."""
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            out[i, j] = matrix[i, j]
 
 
 @allocating("f1, f1, i, f1 -> i")
@@ -357,7 +285,7 @@ def march(
     states = np.empty((n, n))
     pivots = np.empty(size + 1, np.int64)
     step = np.empty(size + 1)
-    sizes, lengths = np.zeros(2), np.zeros(2)
+    sizes, lengths = np.zeros(2), np.zeros(3)
     tests = np.empty(TESTS)
     info[:] = 0.0
     info[1] = h
@@ -369,7 +297,10 @@ def march(
     sign = lu_factor(matrix, pivots)
     if sign == 0:
         return CORRECTOR
-    side_before = sign * diagonal_sign(matrix)
+    v, right = np.zeros(n), np.zeros(n)
+    side_before, log_before = side_of(kind, n, sign, matrix, jacobian, block, z, scale, v, right)
+    for j in range(n):
+        v[j] = right[j]
     tangent_of(matrix, pivots, tangent)
     out_re[0] = math.nan
     leading_block(block, states)
@@ -387,7 +318,7 @@ def march(
         recall(out_t, previous_tangent, k, old)
         if k > 0:
             h_previous = out_h[k]
-        crosses, apart = False, 0.0
+        looked, crosses, apart = False, False, 0.0
         while True:
             set_out(out_z[k], tangent, old, scale, h, h_previous, y, z)
             sign = correct(
@@ -413,16 +344,18 @@ def march(
             if not cosine >= cos_max and h > max(h_min, SHORTEST):
                 h = max(0.5 * h, h_min, SHORTEST)
                 continue
-            side = sign * diagonal_sign(matrix)
-            if kind != BRANCH and side != side_before and not crosses:
+            side, log_side = side_of(kind, n, sign, matrix, jacobian, block, z, scale, v, right)
+            if side != side_before and not looked:
                 lengths[1] = h
+                lengths[2] = max(log_before, log_side)
                 evaluations, apart = turning_off(
-                    address, out_z[k], tangent, old, h_previous, cos_max, side_before, z, p, active, scale,
-                    tolerance, trust, f, jacobian, matrix, block, pivots, step, y, below, above, lengths,
+                    address, kind, n, out_z[k], tangent, old, h_previous, cos_max, side_before, z, p, active, scale,
+                    tolerance, trust, f, jacobian, matrix, block, pivots, step, y, below, above, lengths, v,
                 )  # fmt: skip
                 info[2] += evaluations
-                crosses = apart <= ONE_POINT or lengths[0] <= h_min
-                h = h if crosses else max(lengths[0] - BEFORE * apart, 0.5 * lengths[0], h_min)
+                looked = apart == 0.0 or lengths[0] <= h_min
+                crosses = looked and lengths[2] < 0.0
+                h = h if looked else max(lengths[0] - BEFORE * apart, 0.5 * lengths[0], h_min)
                 continue
             leading_block(block, states)
             tests[0] = out_t[row, size]
@@ -441,7 +374,9 @@ def march(
         guarded = 0
         if crosses:
             info[5] = row
-        side_before = side
+        side_before, log_before = side, log_side
+        for j in range(n):
+            v[j] = right[j]
         out_h[row] = h
         out_unstable[row] = unstable
         record(z, tests, out_z, out_tests, row)
@@ -449,7 +384,7 @@ def march(
         angle = turn(cosine, target_angle)
         h_used = h
         h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
-        if apart > 0.0 and not crosses:
+        if apart > 0.0 and not looked:
             h = max(min(h, BEFORE * apart), h_min)
         info[1] = h
         for i in range(walls.shape[0]):

@@ -25,6 +25,8 @@ SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a co
 
 BISECTED = 1e-9  # of a step, to which it is bisected where its end may be on another curve
 ONE_POINT = 1e-7  # scaled: two curves nearer to each other than this are crossing, to what rows beside that are worth
+TOLD = 3e-6  # ... of orbits: on a mesh, curves that cross miss each other by the root of what their equations are off
+SHIFT, LEAST = 0.7, 0.1  # parts of what is left at which it is cut, where half of it has no solution
 BEFORE = 1.0  # times the distance of two curves: as far before the place where one turns off beside the other
 
 ACCEPTED, AT_CORNER, TURNED, STRAYED = range(4)  # what a march makes of a corrected point

@@ -134,10 +134,8 @@ class SuperFactor(_Counted):
 
     @cached_property
     def sign(self) -> float:
-        """Of the determinant; made on request, because reading the pivots copies both factors."""
-        diagonal = self._lu.U.diagonal() if self._lu.shape[0] else np.empty(0)
-        negative = int(np.count_nonzero(diagonal.real < 0.0))
-        return (-1.0) ** (negative + _exchanges(self._lu.perm_r) + _exchanges(self._lu.perm_c))
+        """Of the determinant."""
+        return sign_of(self._lu)
 
     @staticmethod
     def factors(matrix: csc_matrix) -> SuperLU:
@@ -169,11 +167,17 @@ class SingleFactor(_Counted):
         return np.asarray(found * (size / self._size))
 
 
-def _exchanges(permutation: Vector) -> int:
-    """Parity of a permutation: its length minus the number of its cycles."""
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
+def sign_of(factors: SuperLU) -> float:
+    """Of the determinant; made on request, because reading the pivots copies both factors."""
+    diagonal = factors.U.diagonal() if factors.shape[0] else np.empty(0)
+    negative = int(np.count_nonzero(diagonal.real < 0.0))
+    return (-1.0) ** (negative + _exchanges(factors.perm_r) + _exchanges(factors.perm_c))
 
-    n = len(permutation)
-    graph = csr_matrix((np.ones(n, np.int8), (np.arange(n), permutation)), shape=(n, n))
-    return (n - int(connected_components(graph, directed=False)[0])) % 2
+
+def _exchanges(permutation: Vector) -> int:
+    """Parity of a permutation: its length minus the number of its cycles, which are counted by their least members."""
+    places = np.arange(len(permutation))
+    least, ahead, reach = places, np.asarray(permutation, dtype=np.intp), 1
+    while reach < len(places):
+        least, ahead, reach = np.minimum(least, least[ahead]), ahead[ahead], 2 * reach
+    return (len(places) - int(np.count_nonzero(least == places))) % 2

@@ -21,7 +21,7 @@ def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact,
 
     `exact`: all is measured at the solution itself, else with the matrices of the last iteration; tolerance inf:
     nothing is solved. info[3]: the second correction beside the square of the first; on entry the last known of these,
-    inf where one iteration is never enough. info[4]: size of the first correction.
+    inf where one iteration is never enough. info[4]: size of the first correction. info[7]: see `tangent_of`.
     Returns the number of iterations, FAILED or NOT_FINITE.
     """
     z, z0, out_z, out_t, guess, tangent = o.z, o.z0, o.zn, o.tn, o.guess, o.t0
@@ -92,7 +92,8 @@ def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact,
             if not exact:
                 break
             final = True
-    if not tangent_of(c.kind, dG, d, o.null_combination, tangent, out_t):
+    info[7] = tangent_of(c.kind, dG, d, o.null_combination, tangent, out_t)
+    if info[7] == 0.0:
         return FAILED
     for k in range(x.re.size):
         x.re[k] = math.nan

@@ -6,10 +6,12 @@ from contin.kernels.collocation_steps import predict
 from contin.kernels.compile import kernel
 from contin.kernels.special_orbits.carry import carry
 from contin.kernels.special_orbits.correct import correct_special
-from contin.kernels.special_orbits.memory import LPC, NOT_FINITE, NS
+from contin.kernels.special_orbits.memory import BPC, LPC, NOT_FINITE, NS
 from contin.kernels.special_orbits.predict import bring_in_phase, turned_over
+from contin.kernels.special_orbits.sides import keep_form, relative
 from contin.kernels.special_orbits.tests import find_normal, remember, special_tests
-from contin.kernels.steering import BOUND, CORRECTOR, EVENT, GROWTH, LIMIT, RESCALE
+from contin.kernels.special_orbits.turning_off import turning_off
+from contin.kernels.steering import BEFORE, BOUND, CORRECTOR, EVENT, GROWTH, LIMIT, RESCALE, TOLD
 from contin.kernels.steering import NOT_FINITE as STOP_NOT_FINITE
 
 MARCH, CORRECT, MEASURE = range(3)  # what `follow_special` does
@@ -40,7 +42,9 @@ def follow_special(
     controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, exact]
         h_previous = 0 where `before_*` (point and tangent before row 0) are unknown.
     info : [rows beyond row 0, next h, evaluations, Newton's curvature, first correction, s part of y[1], known rows of
-        `normals` (also on entry)]; normals has room for `limit` + 1 more.
+        `normals` (also on entry), determinant at the last row (MARCH: also on entry, at row 0; where that is 0, no
+        other curve is looked for), the row before which another curve crosses, the first one before which this curve
+        turned off beside another, the length of the step that led to that]; normals has room for `limit` + 1 more.
     """
     n = e.n
     size = scale.size
@@ -62,14 +66,19 @@ def follow_special(
         old[j] = before_t[j]
         if not marching:
             guess[j] = out_z[1, j]
+    lengths = o.lengths
     curvature = math.inf if marching else info[3]
     trusted = 0
+    side_before = info[7]
+    info[8] = 0.0
+    info[9] = 0.0
     info[0] = 0.0
     info[1] = h
     info[2] = 0.0
     for row in range(1, limit + 1):
         iterations = 0
         cosine = 1.0
+        looked, crosses, apart = False, False, 0.0
         while True:
             if marching:
                 predict(here, tangent, before, old, scale, h, h_previous, guess)
@@ -91,6 +100,22 @@ def follow_special(
                 taken = math.sqrt(moved) * cos_max <= h + 10.0 * tolerance
                 beyond = taken and not winds and turned_over(here, z, n, nodes)
                 taken = taken and not beyond and cosine >= cos_max
+            there = 1.0
+            if taken and not looked and side_before != 0.0:
+                there = relative(c.kind, side_before, info[7], o)
+            if there < 0.0:
+                lengths[1] = -there
+                apart = turning_off(
+                    e, c, w, s, x, f, o, scale, sizes, weights, h, h_previous, cos_max, tolerance, side_before, info,
+                    lengths, n, nodes, autonomous,
+                )  # fmt: skip
+                looked = apart == 0.0 or lengths[0] <= h_min
+                crosses = looked and (c.kind == LPC or lengths[1] < max(1.0, -there))
+                if not looked and info[9] == 0.0:
+                    info[9] = row
+                    info[10] = h
+                h = h if looked else max(lengths[0] - BEFORE * apart, 0.5 * lengths[0], h_min)
+                continue
             if taken:
                 break
             if h <= h_min or (beyond and h < SMALL):
@@ -101,6 +126,11 @@ def follow_special(
             h = max(0.5 * h, h_min)
         if iterations < 0:
             return iterations
+        if c.kind == BPC:
+            keep_form(o)
+        if crosses or 0.0 < apart <= TOLD:
+            info[8] = row
+        side_before = info[7]
         info[5] = o.y[1, nodes + 1]
         speed = 1.0
         if c.kind == LPC:
@@ -142,6 +172,8 @@ def follow_special(
             factor = min(factor, (WANTED / info[4]) ** (1.0 / 3.0))
         h_previous = h
         h = min(max(h * max(factor, 0.3), h_min), h_max)
+        if apart > 0.0 and not looked:
+            h = max(min(h, BEFORE * apart), h_min)
         info[1] = h
         for i in range(walls.shape[0]):
             value = z[size + int(walls[i, 0])]

@@ -79,12 +79,16 @@ CurveMemory = namedtuple(
         "period",  # (1,)
         "by_all",  # (1, n + m_p)
         "section",  # (n,) row of the section that v(0) of NS lie in (autonomous flows)
+        "form",  # (2, 2) of the branching equation at the last point of BPC, see `contin.kernels.special_orbits.sides`
+        "lengths",  # (2,) see `contin.kernels.special_orbits.turning_off`
+        "below",  # (N,) scaled: the two ends of a bracket
+        "above",
     ],
 )
 structure(
     CurveMemory,
     "f3, f3, f2, f2, f4, f4, f3, f4, f2, i1, f2, i1, f1, f3, f2, i1, f1, f1, f1, f1, f1, f2, f2, f1, f1, f1, "
-    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f1, f1, f1, f1, f1, f2, f1, f1, f2, f1",
+    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f1, f1, f1, f1, f1, f2, f1, f1, f2, f1, f2, f1, f1, f1",
 )
 
 
@@ -110,5 +114,6 @@ def new_curve_memory(kind, n, m, free, intervals, p_size):
         np.zeros(2), np.zeros(1), np.zeros(others), np.zeros(others), np.zeros(4), np.zeros(TEST_COUNTS[kind]),
         np.zeros((4, size)), np.zeros(size),
         np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size), np.zeros((n, n + p_size)), np.zeros(n),
-        np.zeros(1), np.zeros((1, n + p_size)), np.zeros(n),
+        np.zeros(1), np.zeros((1, n + p_size)), np.zeros(n), np.zeros((2, 2)), np.zeros(2), np.zeros(size),
+        np.zeros(size),
     )  # fmt: skip

@@ -54,9 +54,13 @@ def combined(d, first, weights, count, out):
     return math.sqrt(total)
 
 
-@kernel("i, f2, f2, f1, f1, f1 -> b")
+@kernel("i, f2, f2, f1, f1, f1 -> f")
 def tangent_of(kind, dG, d, weights, guide, out_t):
-    """Unit tangent of the curve into out_t, along `guide`; False where it is not defined."""
+    """Unit tangent of the curve into out_t, along `guide`.
+
+    Returns the determinant of [dG; tangent] in the coordinates d, 0 where no tangent is defined. Its sign changes where
+    another curve crosses, and not where G has a pole: there dG goes through infinity twice.
+    """
     count = 3
     if kind in (LPC, PD):
         count = 2
@@ -68,7 +72,7 @@ def tangent_of(kind, dG, d, weights, guide, out_t):
         weights[2] = dG[0, 1] * dG[1, 2] - dG[0, 2] * dG[1, 1]
     norm = combined(d, 0.0, weights, count, out_t)
     if not 0.0 < norm < math.inf:
-        return False
+        return 0.0
     along = 0.0
     for j in range(out_t.size):
         along += out_t[j] * guide[j]
@@ -76,4 +80,4 @@ def tangent_of(kind, dG, d, weights, guide, out_t):
         norm = -norm
     for j in range(out_t.size):
         out_t[j] /= norm
-    return True
+    return norm

@@ -49,13 +49,13 @@ class BoundaryBase(SingularSolutions):
             return None
         f, matrix = here
         columns: Any = matrix
-        equations = f
+        equations, form = f, None
         if self.type:
             borders = self.borders_at(z, scale)
             found = singular(on_mesh, y, matrix, borders)
             if found is None:
                 return None
-            gradient = found.gradient
+            gradient, form = found.gradient, found.form
             if self.extra:
                 nodes = matrix.shape[0]
                 beta = float(z[-self.behind])
@@ -66,7 +66,7 @@ class BoundaryBase(SingularSolutions):
             columns = with_rows(columns, gradient)
         whole = with_rows(columns, rows[:, where])
         still = z.size - len(where)
-        return SparseBordered(np.append(equations, np.zeros(still)), whole, where, z.size)
+        return SparseBordered(np.append(equations, np.zeros(still)), whole, where, z.size, form)
 
     def null_functions(self, z: Array) -> Array | None:
         """Along a trivial solution they are all that needs a mesh."""

@@ -12,11 +12,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Protocol, runtime_checkable
+from typing import Final, Protocol, cast, runtime_checkable
 
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.corrector import Forming, offers
 from contin.linalg.vectors import norm
 
 STEP: Final = 1e-5  # scaled, of the central differences of scalars
@@ -92,6 +93,11 @@ class Augmented:
             return np.asarray(self.scalars.along(self.z, self.scale * x))
         step = STEP / length * self.scale * x
         return np.asarray((self.scalars(self.z + step) - self.scalars(self.z - step)) * (0.5 * length / STEP))
+
+    @property
+    def form(self) -> Array | None:
+        """Of branch points, see `contin.continuation.corrector.Forming`."""
+        return cast(Forming, self.inner).form if offers(type(self.inner), "form") else None
 
     @cached_property
     def residual(self) -> Array:

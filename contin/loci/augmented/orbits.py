@@ -128,7 +128,8 @@ class OrbitBase(MeshedBase[OrbitProblem]):
             columns = with_columns(matrix, borders.left[:, None], count)
             gradient = np.insert(gradient, count, 0.0, axis=1)
         whole = with_rows(with_rows(columns, gradient), rows[:, where])
-        return SparseBordered(np.concatenate([f, found.values, np.zeros(still)]), whole, where, z.size)
+        equations = np.concatenate([f, found.values, np.zeros(still)])
+        return SparseBordered(equations, whole, where, z.size, found.form)
 
     def _borders(self, z: Array, own: csc_matrix) -> Borders:
         """Those chosen, where they are of this mesh."""

@@ -50,6 +50,16 @@ class Singular:
     right: Array
     left: Array
 
+    @property
+    def form(self) -> Array | None:
+        """(2, 2) of branch points: second derivatives of their scalar equation in the plane of the null vectors."""
+        n, count = len(self.left), self.right.shape[1]
+        if len(self.gradient) < 2 or len(self.right) == n:
+            return None
+        directions = np.zeros((self.gradient.shape[1], count))
+        directions[:n], directions[-1] = self.right[:n], self.right[n]
+        return np.asarray(self.gradient @ directions)
+
 
 def stacked(matrix: csc_matrix, columns: Array, rows: Array) -> csc_matrix:
     """[M columns; rows^T 0]"""

@@ -59,6 +59,7 @@ class SparseBordered:
     matrix: csc_matrix
     where: NDArray[np.intp]
     size: int
+    form: Array | None = None  # of branch points, see `contin.loci.augmented.singular.Singular`
 
     @cached_property
     def _factors(self) -> Factors:

@@ -243,6 +243,15 @@ class BorderedCurve(Gauged):
         jacobian[n:, self._scalar] = -(w.T @ slope)
         return np.append(f, g[:, 0]), jacobian
 
+    def form(self, z: Array, jacobian: Array) -> Array:
+        """(2, 2): second derivatives of BP's scalar equation in the plane of the null vectors V, which are dG V."""
+        n, d, borders = self.n, self.sizes, self.parameters(z)
+        slopes = jacobian[:n, [-1, -2]] / d[:, None] @ borders.across
+        v = _real_bordered(np.column_stack([self._scaled(jacobian[:n, :n]), slopes]), borders.left, borders.right)[0]
+        directions = np.zeros((self.size, 2))
+        directions[:n], directions[[-1, -2]] = v[:n] * d[:, None], np.outer(borders.across, v[n])
+        return np.asarray(jacobian[n:] @ directions)
+
     # -- setting out --------------------------------------------------------------------------------------------------
 
     def place(self, u: Array, p: Array, scalar: float = 0.0) -> Array:

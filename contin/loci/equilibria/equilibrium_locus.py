@@ -23,6 +23,7 @@ from contin.loci.curve_of_points import LONGEST, CurveOfPoints, scalar_columns
 from contin.loci.equilibria import timeless
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.march import march, probe
+from contin.loci.neutral import with_told_crossings
 from contin.loci.tolerances import FORCED_AT_POINTS
 from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
@@ -35,7 +36,6 @@ CHUNK = 250  # rows after which the border is looked at again
 REACH = 12.5  # ... or, where steps are short, this arclength (so many of the longest steps by default)
 FEW = 10  # states at most: some 50 ms
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
-WITH_CROSSINGS = ("LP", "PD")  # the planes of pairs have borders that may fail far from where they were chosen
 _NONE = np.empty(0)
 _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 
@@ -43,11 +43,6 @@ _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 @dataclass(frozen=True, eq=False)
 class LocusProblem(CurveOfPoints):
     """The equations of `CurveOfPoints`, followed by a compiled march."""
-
-    @property
-    def knows_crossings(self) -> bool:
-        """Not those of branch points: their equations are singular where the first parameter turns."""
-        return self.locus != "BP"
 
     def of_type(self, type_: str, p: Array) -> LocusProblem:
         """The curve of another type in the same two parameters, the others being those of p."""
@@ -90,8 +85,7 @@ class LocusProblem(CurveOfPoints):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         found = self._marched(origin, before, length, frame, step, limit, settings, loop)
-        if self.locus not in WITH_CROSSINGS:
-            found = replace(found, crossed=())
+        found = with_told_crossings(self.locus, found)
         return found if self.has_stability else timeless.chunk_without(found)
 
     def _marched(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,23 @@ from contin.continuation import march as python_march
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.codim2.monitors import tests_at
+from contin.loci.equilibria.bordered import BorderedCurve
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
+
+
+@dataclass(frozen=True, eq=False)
+class OfBranchPoints(DenseLinearisation):
+    """With the second derivatives of the branching equation."""
+
+    at: tuple[BorderedCurve, Array, Array] | None = None  # the curve, z, and its Jacobian there
+
+    @cached_property
+    def form(self) -> Array | None:
+        """(2, 2), see `contin.loci.equilibria.bordered`."""
+        return None if self.at is None else self.at[0].form(*self.at[1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +46,11 @@ class LocusMarch:
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
         f, jacobian = self.problem.curve.linearise(z)
-        return dense_linearisation(f, jacobian, tangent, scale)
+        found = dense_linearisation(f, jacobian, tangent, scale)
+        if found is None or self.problem.locus != "BP":
+            return found
+        at = cast(BorderedCurve, self.problem.curve), z, jacobian
+        return OfBranchPoints(found.residual, found.factors, found.sign, found.log_determinant, found.met, at)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         return tests_at(self.problem, z)

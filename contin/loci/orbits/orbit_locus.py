@@ -14,10 +14,11 @@ from contin.continuation.branch import End
 from contin.continuation.march import until_dip
 from contin.continuation.outcome import Failure, Verified
 from contin.continuation.problem import Renewal
-from contin.continuation.sample import Chunk, Frame, Sample
+from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError
+from contin.loci.neutral import with_told_crossings
 from contin.loci.orbits import criticality
 from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.orbits.renewal import on_finer_mesh, renew
@@ -78,10 +79,31 @@ class OrbitLocusProblem(OfSpecialOrbits):
     ) -> Chunk:  # fmt: skip
         limit = min(limit, self.maximum_chunk, max(LEAST, int(REACH / settings.max_step)))
         curve, start = self._set_out(origin, frame)
-        chunk = curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
+        chunk, turned = curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
+        if turned is not None and self.locus == "LPC" and self.curve.orbits.multiple % 2 == 0:
+            chunk = self._through_halves(chunk, turned, before, length, frame, settings)
         chunk = criticality.cut_at_change(self.curve, chunk, frame.scale)
         chunk = cut_at_birth(self, chunk, frame, settings) if self.curve.orbits.autonomous else chunk
-        return until_dip(chunk, before, length, FIRST_TEST)
+        return until_dip(with_told_crossings(self.locus, chunk), before, length, FIRST_TEST)
+
+    def _through_halves(
+        self, chunk: Chunk, turned: tuple[int, float], before: Sample | None, length: float, frame: Frame,
+        settings: Settings,
+    ) -> Chunk:  # fmt: skip
+        """Folds of doubled orbits end where the two halves become one: they cross the curve of the doublings there.
+
+        On a mesh the two curves miss each other by its error, and the one of folds turns off along the other. So the
+        step that leads to the same orbits with their halves exchanged is taken as it is.
+        """
+        row, step = turned
+        base = chunk.sample(row - 1)
+        if row > 1:
+            before, length = chunk.sample(row - 2), float(chunk.lengths[row - 1])
+        curve, start = self._set_out(base, frame)
+        one, _ = curve.march(start, before, length, frame.scale, step, 1, self.walls, settings, straight=True)
+        if len(one) < 2 or not self.passes_half(base.z, one.z[-1], frame.scale):
+            return chunk
+        return one if row == 1 else chunk.cut(row, Stop.LIMIT, step)
 
     def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
         return criticality.beside_pole(self.curve, type_, sample, frame.scale)

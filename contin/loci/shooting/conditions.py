@@ -36,12 +36,16 @@ class Borders:
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """Scalars (k,), their derivatives by x (k, rows + 2) and by the further unknown (k,); `bend`: see `fold`."""
+    """Scalars (k,), their derivatives by x (k, rows + 2) and by the further unknown (k,); `bend`: see `fold`.
+
+    form : (2, 2) of BPC, the branching equation's second derivatives.
+    """
 
     values: Array
     slopes: Array
     further: Array
     bend: float = 0.0
+    form: Array | None = None
 
 
 def matrix(type_: str, at: Expansion, further: float) -> Array:
@@ -114,7 +118,7 @@ def condition(type_: str, at: Expansion, further: float, known: Borders) -> Cond
 
 def _of_equations(at: Expansion, v: Array, g: Array, w: Array) -> Condition | None:
     """`bend` is w^T D^2 F[v, v], whose sign at a fold says on which side of it there are two orbits: zero at a CPC."""
-    slopes, bend = [], 0.0
+    slopes, directions, bend = [], [], 0.0
     for column in v.T:
         direction = np.zeros(at.rows + 2)
         direction[: at.rows] = column[: at.rows]
@@ -123,8 +127,10 @@ def _of_equations(at: Expansion, v: Array, g: Array, w: Array) -> Condition | No
         if change is None:
             return None
         slopes.append(-w @ change)
+        directions.append(direction)
         bend = float(w @ change @ direction)
-    return Condition(g, np.array(slopes), np.zeros(g.size), bend)
+    form = np.array(slopes) @ np.array(directions).T if len(slopes) > 1 else None
+    return Condition(g, np.array(slopes), np.zeros(g.size), bend, form)
 
 
 def _of_variations(at: Expansion, v: Array, g: Array, w: Array, turns: int) -> Condition | None:

@@ -27,11 +27,12 @@ from contin.records import Fields
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """Scaled residual (k,) and Jacobian (k, k + 1) by the unknowns that move; `bend` of folds, see `Condition`."""
+    """Scaled residual (k,) and Jacobian (k, k + 1) by the unknowns that move; `bend`, `form`: see `Condition`."""
 
     residual: Array
     jacobian: Array
     bend: float = np.nan
+    form: Array | None = None
 
 
 class CurveByShooting(CurveOfPeriodicOrbits, ABC):
@@ -145,4 +146,4 @@ class ShootingCurve(CurveByShooting):
             [at.jacobian[:, : at.rows], further, at.jacobian[:, at.rows :]],
             [slopes[:, : at.rows], by_further, slopes[:, at.rows :]],
         ])  # fmt: skip
-        return Equations(np.append(residual, special.values), jacobian, special.bend)
+        return Equations(np.append(residual, special.values), jacobian, special.bend, special.form)

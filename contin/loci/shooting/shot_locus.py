@@ -16,6 +16,7 @@ from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
+from contin.loci.neutral import with_told_crossings
 from contin.loci.orbits import criticality, events
 from contin.loci.orbits.curve_of_orbits import ANGLES
 from contin.loci.orbits.special_orbits import OfSpecialOrbits
@@ -35,10 +36,11 @@ from contin.systems.accuracy import accuracy_of_equations
 
 @dataclass(frozen=True, eq=False)
 class LinearisedLocus(BorderedShooting):
-    """With the second derivative that says whether a fold is degenerate."""
+    """With the second derivative that says whether a fold is degenerate, and those of the branching equation."""
 
     problem: ShotLocusProblem | None = None
     bend: float = np.nan
+    form: Array | None = None
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """See `contin.continuation.march.Telling`."""
@@ -74,14 +76,16 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> LinearisedLocus | None:
         found = self.linearised(z, tangent, scale)
-        return None if found is None else LinearisedLocus(*found[0], problem=self, bend=found[1].bend)
+        if found is None:
+            return None
+        return LinearisedLocus(*found[0], problem=self, bend=found[1].bend, form=found[1].form)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
-        return criticality.cut_at_change(self.curve, chunk, frame.scale)
+        return with_told_crossings(self.locus, criticality.cut_at_change(self.curve, chunk, frame.scale))
 
     def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
         return criticality.beside_pole(self.curve, type_, sample, frame.scale)

@@ -318,8 +318,19 @@ class CurveLinearisation:
     _solver: Solution | None
     _row: Array
 
-    sign = 1.0
-    log_determinant = 0.0
+    @cached_property
+    def _determinant(self) -> tuple[float, float]:
+        sign, log = np.linalg.slogdet(self.small)
+        return float(sign), float(log)
+
+    @property
+    def sign(self) -> float:
+        """Of what the elimination leaves: it changes where another curve crosses, and not where G has a pole."""
+        return self._determinant[0]
+
+    @property
+    def log_determinant(self) -> float:
+        return self._determinant[1]
 
     @classmethod
     def of(

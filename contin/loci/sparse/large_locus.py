@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
+from contin.continuation.corrector import IN_TWO_PARAMETERS
 from contin.continuation.outcome import NOTHING, Outcome, unverified
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
@@ -19,6 +20,7 @@ from contin.linalg.vectors import norm
 from contin.loci.codim2.events import explain as explain_events
 from contin.loci.codim2.events import test_of
 from contin.loci.curve_of_points import scalar_columns
+from contin.loci.neutral import with_told_crossings
 from contin.loci.sparse import events
 from contin.loci.sparse.on_large_curve import OnLargeCurve
 from contin.problems.state_columns import state_columns
@@ -56,8 +58,11 @@ class LargeLocus(OnLargeCurve):
     ) -> Chunk:  # fmt: skip
         known = self.curve.gauged(frame.gauge)
         own = replace(self, curve=known.settled(origin.z, origin.tangent * frame.scale))
-        chunk = python_march.march(own, origin, before, length, frame, step, limit, bounds, settings, loop, walled=self)
-        return replace(chunk, gauge=own.curve.gauge)
+        chunk = python_march.march(
+            own, origin, before, length, frame, step, limit, bounds, settings, loop, walled=self,
+            decisions=IN_TWO_PARAMETERS,
+        )  # fmt: skip
+        return with_told_crossings(self.locus, replace(chunk, gauge=own.curve.gauge))
 
     def _beside(self, frame: Frame) -> Self:
         """The curve as it is looked at next to a chunk."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.linalg.csc import with_rows
+from contin.linalg.lu import sign_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -29,8 +30,13 @@ class Factorised:
     def residual(self) -> Array:
         return np.concatenate([self.equations, np.zeros(self.size - 1 - self.equations.size)])
 
-    sign = 1.0  # branch points of such curves are not looked for
-    log_determinant = 0.0
+    @cached_property
+    def sign(self) -> float:
+        """Of the determinant, which changes where another curve crosses."""
+        return sign_of(self.factors)
+
+    log_determinant = 0.0  # branch points of such curves are not looked for
+    regular = True  # see `factorised`
 
     def solve(self, right: Array) -> Array:
         out = np.zeros(self.size)

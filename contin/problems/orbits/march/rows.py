@@ -34,7 +34,7 @@ class Rows:
     def of(cls, rows: int, size: int, tests: int, n: int) -> Rows:
         return cls(
             np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, tests)), np.zeros(rows, np.int64),
-            np.full((rows, n), np.nan), np.zeros((rows, n)), np.zeros(rows), np.zeros(7),
+            np.full((rows, n), np.nan), np.zeros((rows, n)), np.zeros(rows), np.zeros(11),
         )  # fmt: skip
 
     def __len__(self) -> int:

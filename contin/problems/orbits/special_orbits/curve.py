@@ -120,9 +120,13 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, scale: Array, step: float, limit: int,
-        walls: Sequence[tuple[int, float, float]], settings: Settings,
-    ) -> Chunk:  # fmt: skip
-        """Follow the curve from `origin`, where borders and tests are known."""
+        walls: Sequence[tuple[int, float, float]], settings: Settings, straight: bool = False,
+    ) -> tuple[Chunk, tuple[int, float] | None]:  # fmt: skip
+        """Follow the curve from `origin`, where borders and tests are known.
+
+        straight : whether other curves beside it are not looked for. Else the second value is the row before which the
+        curve has first turned off beside one, and the length of the step that had led to that one.
+        """
         rows = self._rows(limit, origin.z, origin.tangent)
         rows.tests[0], rows.unstable[0] = origin.tests, origin.unstable
         rows.re[0], rows.im[0] = origin.eigenvalues.real, origin.eigenvalues.imag
@@ -132,14 +136,17 @@ class OrbitCurve(CurveOfPeriodicOrbits):
             0.0 if before is None else length, angle / 2.5, 0.0,
         ])  # fmt: skip
         work, bounds = self._work(origin.z, scale), np.array(walls, dtype=float)
+        work.side = 0.0 if straight else work.side
         stop = STOPS[self._follow(MARCH, work, scale, controls, bounds, limit, before, rows)]
-        return replace(rows.chunk(stop), gauge=work.gauge())
+        crossed = (int(rows.info[8]),) if rows.info[8] > 0.0 else ()
+        turned = (int(rows.info[9]), float(rows.info[10])) if rows.info[9] > 0.0 else None
+        return replace(rows.chunk(stop), gauge=work.gauge(), crossed=crossed), turned
 
     def _follow(
         self, mode: int, work: Work, scale: Array, controls: Array, walls: Array, limit: int, before: Sample | None,
         rows: Rows,
     ) -> int:  # fmt: skip
-        rows.info[6] = work.normals.count
+        rows.info[6], rows.info[7] = work.normals.count, work.side
         status = int(follow_special(
             mode, self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.borders,
             work.memory, scale, self._sizes(rows.z[0], scale), work.weights, controls, walls, limit,
@@ -147,7 +154,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
             work.normals.room_for(limit + 1), rows.z, rows.t, rows.tests, rows.unstable, rows.re, rows.im, rows.lengths,
             rows.info,
         ))  # fmt: skip
-        work.normals.count = int(rows.info[6])
+        work.normals.count, work.side = int(rows.info[6]), float(rows.info[7])
         return status
 
     def _rows(self, limit: int, z: Array, tangent: Array) -> Rows:

@@ -34,11 +34,15 @@ class Normals:
 
 @dataclass(frozen=True, eq=False)
 class Gauge:
-    """What the equations near a stretch of a curve are written with: borders, and the sense of its normals there."""
+    """What the equations near a stretch of a curve are written with: borders, and the sense of its normals there.
+
+    side : determinant and form of `contin.kernels.special_orbits.sides` at the point that was measured last.
+    """
 
     mesh: Array
     borders: tuple[Array, ...]  # as those of `kernels.special_orbits.memory.Borders`
     normals: Array  # rows of `Normals`
+    side: Array = field(default_factory=lambda: np.zeros(5))
 
 
 @dataclass(eq=False)
@@ -53,6 +57,7 @@ class Work:
     borders: Any
     weights: Array  # of differences between the neighbours of the inner nodes, repeated for every state
     normals: Normals = field(default_factory=Normals)
+    side: float = 0.0
 
     @property
     def nodes(self) -> int:
@@ -77,8 +82,11 @@ class Work:
         for own, chosen in zip(self.borders, gauge.borders, strict=True):
             own[:] = chosen
         self.normals = Normals(gauge.normals, len(gauge.normals))
+        self.side = float(gauge.side[0])
+        self.memory.form[:] = gauge.side[1:].reshape(2, 2)
 
     def gauge(self) -> Gauge:
         """What the kernel has left."""
         known = self.normals
-        return Gauge(self.mesh, tuple(border.copy() for border in self.borders), known.rows[: known.count].copy())
+        side = np.append(self.side, self.memory.form)
+        return Gauge(self.mesh, tuple(border.copy() for border in self.borders), known.rows[: known.count].copy(), side)
