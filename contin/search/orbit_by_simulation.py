@@ -154,7 +154,7 @@ def find_return(
             )
         one_turn = np.where(periods > 0.0, periods, np.inf)  # more than that is no larger
         shrinking = bool(np.all(np.minimum(recent, one_turn) < SETTLED * np.minimum(extent, one_turn)))
-        found = None if shrinking else _return(system, path.end, p, periods, time, extent)
+        found = None if shrinking else _return(system, path.end, p, periods, time, extent, budget)
         if found is not None:
             if found[0] < best[0]:
                 best = found
@@ -181,19 +181,22 @@ def time_scale(system: CompiledSystem, u: Array, p: Array) -> float:
 
 
 def _return(
-    system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array
+    system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array, budget: int
 ) -> tuple[float, Array, float, int] | None:
-    """(distance, state, period, loops): the best return to a section through u, of at most CROSSINGS."""
+    """(distance, state, period, loops): the best return to a section through u, of at most CROSSINGS.
+
+    Within `budget` steps: a trajectory may escape after the look that took it for one that may return.
+    """
     unit = np.where(extent > 0.0, extent, 1.0)
     normal = system.value(u, p) / elementary.square(unit)
     normal[periods > 0.0] = 0.0
     if normal.any():
         # the fastest place of the orbit makes the best section: move there first
         section = Section(normal, float(normal @ u), 1)
-        path = integrate(system, u, p, time, section=section, events=CROSSINGS)
+        path = integrate(system, u, p, time, section=section, events=CROSSINGS, budget=budget)
         states, times = path.event_states, path.event_times
     else:
-        states, times = _full_turns(system, u, p, periods, time, extent)
+        states, times = _full_turns(system, u, p, periods, time, extent, budget)
     best: tuple[float, Array, float, int] | None = None
     for k in range(1, len(states) // 2 + 1):
         difference = states[-1] - states[-1 - k]
@@ -210,17 +213,17 @@ def _return(
 
 
 def _full_turns(
-    system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array
+    system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array, budget: int
 ) -> tuple[Array, Array]:
     """States (k, n) and times (k,) after every full turn of the angle that turns most, if only angles move."""
     fastest = int(np.argmax(extent / np.where(periods > 0.0, periods, np.inf)))
-    sense = 1.0 if integrate(system, u, p, time).end[fastest] > u[fastest] else -1.0
+    sense = 1.0 if integrate(system, u, p, time, budget=budget).end[fastest] > u[fastest] else -1.0
     normal = np.zeros(system.n)
     normal[fastest] = sense
     states, times = [u], [0.0]
     while len(states) <= CROSSINGS and times[-1] < time:
         section = Section(normal, float(normal @ u) + len(states) * periods[fastest], 1)
-        path = integrate(system, states[-1], p, time - times[-1], section=section, events=1)
+        path = integrate(system, states[-1], p, time - times[-1], section=section, events=1, budget=budget)
         if not len(path.event_times):
             break
         states.append(path.event_states[-1])
