@@ -27,7 +27,8 @@ import numpy as np
 
 from contin.abi import Vector
 from contin.normalforms.jet import Jet, Real, lift, mass_of, otherwise, size_of_terms, uncertain
-from contin.normalforms.linear import EigenPair, solve
+from contin.normalforms.linear import EigenPair, solve_with_growth
+from contin.normalforms.poles import NEAR, off_beside_pole
 from contin.normalforms.result import TRUST
 
 Index = tuple[int, ...]
@@ -41,12 +42,14 @@ class CentreManifold:
 
     `h(v)` is an (n,) array, `g(v, j)` a number (zero where v is not resonant with j), `magnitude(v, j)` the sum of the
     moduli of the summands of g(v, j), against which rounding in it is measured (errors of differences in units of
-    `TRUST` with them). v has one entry for each pair, then one
+    `TRUST` with them, and what coefficients h beside poles are off by). v has one entry for each pair, then one
     for each active parameter (those may be left out).
+
+    drift (n + parameters,) : estimated errors of the states and active parameters, which count beside poles.
     """
 
-    def __init__(self, jet: Jet, pairs: Sequence[EigenPair]) -> None:
-        self.jet = jet
+    def __init__(self, jet: Jet, pairs: Sequence[EigenPair], drift: Real | None = None) -> None:
+        self.jet, self.drift = jet, drift
         self._mass = mass_of(jet)
         self.values = np.array([pair.value for pair in pairs], dtype=complex)
         is_real = not np.any(self.values.imag) and not any(np.iscomplexobj(pair.right) for pair in pairs)
@@ -62,6 +65,7 @@ class CentreManifold:
         self._directions: dict[Index, Vector] = {}
         self._largest = max([1.0 if jet.kind == "map" else 0.0, *map(abs, self._listed)])
         self._sizes: dict[Index, Real] = {}
+        self._off: dict[Index, list[Vector]] = {}  # how far h_v may be off, where it lies beside a pole
 
     def h(self, *index: int) -> Vector:
         return self._coefficient(self._full(index))
@@ -94,7 +98,9 @@ class CentreManifold:
             matrix = self.jet.A - shift * (np.eye(self.jet.n) if self._mass is None else self._mass)
             resonant = list(self._normal(v))
             borders = self._borders(resonant) if resonant else (None, None)
-            self._h[v] = solve(matrix, -self._inhomogeneity(v), *borders)
+            self._h[v], growth = solve_with_growth(matrix, -self._inhomogeneity(v), *borders)
+            if growth > NEAR and unit is None:
+                self._off[v] = off_beside_pole(self.jet, matrix, borders, self._direction(v), self.drift)
         return self._h[v]
 
     def _borders(self, resonant: list[int]) -> tuple[Vector, Vector]:
@@ -149,7 +155,19 @@ class CentreManifold:
                 sizes = sizes + weight * uncertain(self.jet, *directions) / TRUST
         for coefficient, u in self._transport(v):
             sizes = sizes + np.abs(coefficient * self._weighed(self._coefficient(u)))
-        return sizes
+        return sizes + self._beside_poles(v) if self._off else sizes
+
+    def _beside_poles(self, v: Index) -> Real:
+        """What errors of the coefficients in R_v make of it, in units of `TRUST`."""
+        found: Real = np.zeros(self.jet.n)
+        for weight, parts in weighted_partitions(v):
+            for place, part in enumerate(parts):
+                others = [self._direction(other) for k, other in enumerate(parts) if k != place]
+                moved = [lift(off, self.jet.parameters) for off in self._off.get(part, ())]
+                if moved:
+                    sizes = [np.abs(self.jet.form(off, *others)) for off in moved]
+                    found = found + weight * np.max(sizes, axis=0) / TRUST
+        return found
 
     def _products(self, v: Index) -> list[tuple[float, list[Vector], Vector]]:
         """R_v = sum of weight F[directions]; for a parameter alone, A h + F_p = sum g q."""

@@ -63,21 +63,22 @@ def conjugate(pair: EigenPair) -> EigenPair:
     return EigenPair(np.conj(pair.value), pair.right.conj(), pair.left.conj(), pair.singular, pair.gap)
 
 
-def hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
+def hopf_manifold(jet: Jet, omega: float | None = None, drift: Real | None = None) -> CentreManifold:
     """The centre manifold of w' = i omega w + ..., coordinates (w, conj w, parameters)."""
     pair = critical_pair(jet.A, omega, jet.scale, mass_of(jet))
-    return CentreManifold(jet, [pair, conjugate(pair)])
+    return CentreManifold(jet, [pair, conjugate(pair)], drift)
 
 
-def hopf(jet: Jet, omega: float | None = None) -> NormalForm:
+def hopf(jet: Jet, omega: float | None = None, *, drift: Real | None = None) -> NormalForm:
     """HB: w' = i omega w + c1 w |w|^2, c1 = G21/2, l1 = Re c1/omega.
 
     G21 = <p, C(q,q,q*) + B(q*,h20) + 2 B(q,h11)>, h20 = (2 i omega - A)^-1 B(q,q), h11 = -A^-1 B(q,q*).
     Supercritical (l1 < 0): the cycles surround the equilibrium where it has the extra pair of unstable eigenvalues, and
-    take over its stability. `degenerate` where l1 is zero to its estimated error.
+    take over its stability. `degenerate` where l1 is zero to its estimated error, which counts errors `drift` of the
+    states and active parameters where h20 or h11 lies beside a pole (a further eigenvalue near 2 i omega or 0).
     Kuznetsov, Elements, 3rd ed., sec. 5.4.1.
     """
-    manifold = hopf_manifold(jet, omega)
+    manifold = hopf_manifold(jet, omega, drift)
     omega = float(manifold.values[0].imag)
     c1 = manifold.g((2, 1), 0)
     error = TRUST * manifold.magnitude((2, 1), 0) / omega

@@ -198,14 +198,16 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
 
     LinAlgError where the matrix is singular to rounding: in homological equations, where eigenvalues are resonant.
     """
-    n = len(matrix)
-    if columns is None or rows is None:
-        full, right = matrix, rhs
-    else:
-        k = columns.shape[1]
-        full = np.zeros((n + k, n + k), np.result_type(matrix, columns, rows))
-        full[:n, :n], full[:n, n:], full[n:, :n] = matrix, columns, rows.conj().T
-        right = np.concatenate([rhs, np.zeros((k, *rhs.shape[1:]))])
+    return solve_with_growth(matrix, rhs, columns, rows)[0]
+
+
+def solve_with_growth(
+    matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vector | None = None
+) -> tuple[Vector, float]:
+    """See `solve`; and how many times its right side the solution is, in balanced units: large beside a pole."""
+    full, right = bordered(matrix, columns, rows), rhs
+    if len(full) > len(matrix):
+        right = np.concatenate([rhs, np.zeros((len(full) - len(matrix), *rhs.shape[1:]))])
     r, c = equilibrate(full)
     scaled = r[:, None] * full * c
     target = (r * right.T).T
@@ -214,8 +216,18 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
     except np.linalg.LinAlgError as error:  # "Singular matrix", which tells users nothing
         raise np.linalg.LinAlgError(RESONANT) from error
     x = x + np.linalg.solve(scaled, target - scaled @ x)
-    grown = norm(x.ravel()) * float(np.abs(scaled).sum(axis=1).max())
-    if grown * SINGULAR > norm(target.ravel()):
+    grown, size = norm(x.ravel()) * float(np.abs(scaled).sum(axis=1).max()), norm(target.ravel())
+    if grown * SINGULAR > size:
         raise np.linalg.LinAlgError(RESONANT)
-    answer: Vector = (c * x.T).T[:n]
-    return answer
+    answer: Vector = (c * x.T).T[: len(matrix)]
+    return answer, grown / size if size else 0.0
+
+
+def bordered(matrix: Vector, columns: Vector | None = None, rows: Vector | None = None) -> Vector:
+    """[[matrix, columns], [rows^H, 0]]; the matrix itself without borders."""
+    if columns is None or rows is None:
+        return matrix
+    n, k = columns.shape
+    full = np.zeros((n + k, n + k), np.result_type(matrix, columns, rows))
+    full[:n, :n], full[:n, n:], full[n:, :n] = matrix, columns, rows.conj().T
+    return full

@@ -35,18 +35,19 @@ class DoubledPredictor:
         return s * s * self.p2
 
 
-def flip_manifold(jet: Jet) -> CentreManifold:
+def flip_manifold(jet: Jet, drift: Real | None = None) -> CentreManifold:
     """The centre manifold of w -> -w + ..."""
-    return CentreManifold(jet, [null_pair(jet.A + np.eye(jet.n), -1.0, jet.scale)])
+    return CentreManifold(jet, [null_pair(jet.A + np.eye(jet.n), -1.0, jet.scale)], drift)
 
 
-def period_doubling(jet: Jet) -> NormalForm:
+def period_doubling(jet: Jet, *, drift: Real | None = None) -> NormalForm:
     """PD: c = <p, C(q,q,q) + 3 B(q, (1 - A)^-1 B(q,q))>/6 of w -> -w + c w^3.
 
     Supercritical (c > 0): the doubled orbit lies where the fixed point has the extra unstable multiplier and takes over
-    its stability.
+    its stability. The error of c counts errors `drift` of the states and active parameters beside its pole (a further
+    multiplier near 1).
     """
-    manifold = flip_manifold(jet)
+    manifold = flip_manifold(jet, drift)
     c = manifold.g((3,), 0).real
     error = TRUST * manifold.magnitude((3,), 0)
     criticality = sense(-c, error)
@@ -67,7 +68,7 @@ def flip_predictor(jet: Jet) -> DoubledPredictor:
     return DoubledPredictor(manifold.right[0].real, manifold.h(2).real, manifold.h(0, 1).real, p2)
 
 
-def circle_manifold(jet: Jet, theta: float | None = None) -> CentreManifold:
+def circle_manifold(jet: Jet, theta: float | None = None, drift: Real | None = None) -> CentreManifold:
     """The centre manifold of w -> e^{i theta} w; without theta, of the complex pair nearest to the unit circle."""
     if theta is None:
         upper = [value for value in eigenvalues(jet.A) if value.imag > 0.0]
@@ -76,17 +77,18 @@ def circle_manifold(jet: Jet, theta: float | None = None) -> CentreManifold:
         theta = float(elementary.angle(eigen_pair(jet.A, min(upper, key=lambda value: abs(abs(value) - 1.0))).value))
     value = elementary.exp(1j * theta)
     pair = null_pair(jet.A - value * np.eye(jet.n), complex(value), jet.scale)
-    return CentreManifold(jet, [pair, conjugate(pair)])
+    return CentreManifold(jet, [pair, conjugate(pair)], drift)
 
 
-def neimark_sacker(jet: Jet, theta: float | None = None) -> NormalForm:
+def neimark_sacker(jet: Jet, theta: float | None = None, *, drift: Real | None = None) -> NormalForm:
     """NS: d of w -> e^{i theta} w (1 + d |w|^2); Re d decides.
 
     d = e^{-i theta} <p, C(q,q,q*) + 2 B(q, (1 - A)^-1 B(q,q*)) + B(q*, (e^{2 i theta} - A)^-1 B(q,q))>/2. Supercritical
     (Re d < 0): the invariant circle lies where the fixed point has the extra pair of unstable multipliers, and takes
     over its stability. `resonance` names a strong resonance (3 or 4) where theta is one; d then decides nothing.
+    The error of d counts errors `drift` of the states and active parameters beside a pole.
     """
-    manifold = circle_manifold(jet, theta)
+    manifold = circle_manifold(jet, theta, drift)
     value = manifold.values[0]
     d = manifold.g((2, 1), 0) / value
     error = TRUST * manifold.magnitude((2, 1), 0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from contin.normalforms.fold import fold
 from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet, Jet, Kind
 from contin.normalforms.later import Later, stated
+from contin.normalforms.linear import solve
 from contin.normalforms.maps import neimark_sacker, period_doubling
+from contin.normalforms.poles import ROUNDED
 from contin.normalforms.result import STATE_ERROR, NormalForm
 from contin.normalforms.rounding import difference_errors
 from contin.normalforms.sources import jet_of
@@ -26,6 +28,9 @@ from contin.problems.equilibria.branching.rotated import turning_kernel
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
+
+
+SOLVED: Final = 1e-14  # relative error of states at least: their points are solved to rounding
 
 
 def jet_at(problem: AlgebraicEquations, z: Array, scale: Array | None = None) -> DerivativeJet:
@@ -72,6 +77,7 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
         coefficients = {"kind": "degenerate", "kernel": int(point.vectors["turning"])}
         return NormalForm("BP", coefficients, "branch point at which the parameter turns on all branches")
     lengths = location * scale / units
+    drift = _drift(jet, point, units, scale)
 
     def form_at(jet: Jet) -> NormalForm:
         if point.type == "LP":
@@ -79,11 +85,27 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
         if point.type == "BP":
             return branch_point(jet, state_error=lengths, parameter_error=point.error)
         if point.type == "HB":
-            return hopf(jet, float(point.vectors["omega"]))
-        return period_doubling(jet) if point.type == "PD" else neimark_sacker(jet, float(point.vectors["omega"]))
+            return hopf(jet, float(point.vectors["omega"]), drift=drift)
+        if point.type == "PD":
+            return period_doubling(jet, drift=drift)
+        return neimark_sacker(jet, float(point.vectors["omega"]), drift=drift)
 
     form = form_at(jet)
     if not jet.otherwise:
         return form
     moved = difference_errors(form, form_at, jet)
     return replace(form, errors={key: error + moved.get(key, 0.0) for key, error in form.errors.items()})
+
+
+def _drift(jet: Jet, point: Verified, units: Array, scale: Array) -> Array:
+    """Estimated errors of the states and the parameter of a point that is solved to rounding, (n + 1,).
+
+    Rounding errors of f, as large as those of its linear part, move the solution by what the inverse makes of them.
+    """
+    static = jet.A - np.eye(jet.n) if jet.kind == "map" else jet.A
+    rounded = ROUNDED * (np.abs(jet.A) @ np.abs(point.z[: jet.n] / units))
+    least = SOLVED * scale / units
+    try:
+        return np.append(least + np.abs(solve(static, rounded)), point.error)
+    except np.linalg.LinAlgError:  # singular: nothing is known of the states along the null vector
+        return np.append(STATE_ERROR * scale / units, point.error)

@@ -221,7 +221,8 @@ def _balancing_units(local: ScaledSystem, *jacobians: Array) -> Array:
     if local.problem.is_timeless:
         return np.ones(n + 1)
     total = np.abs(np.array(jacobians)[:, :, :n]).max(axis=0)
-    products = total * total.T
+    relative = total / max(float(total.max()), np.finfo(float).tiny)  # squares of long cycles' derivatives overflow
+    products = relative * relative.T
     units = np.ones(n + 1)
     units[:n] = balancing_scales(np.where(products >= MUTUAL * products.max(), total, 0.0))
     return units
