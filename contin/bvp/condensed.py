@@ -18,6 +18,7 @@ from contin.kernels.collocation_system import clear_right, expand, reduce_right
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.filling import fill
+from contin.kernels.stages import weigh
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 
@@ -103,6 +104,7 @@ def linearise(problem: BoundaryEquations, z: Array, tangent: Array, scale: Array
     if not (np.all(np.isfinite(value)) and np.all(np.isfinite(matrix))):
         return None
     here = np.concatenate([local, value, [-border[0]], np.zeros(count)])
+    weigh(s.stages.weights, n, problem.sizes(z, scale))
     sign = fill(equations, w, z, tangent, scale, s, corner)
     sign = sign * condense(s, n, m) if sign != 0 else 0
     a = work.last

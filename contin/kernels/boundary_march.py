@@ -35,6 +35,7 @@ from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.filling import fill
 from contin.kernels.signature import structure
+from contin.kernels.stages import weigh
 from contin.kernels.steering import (
     ACCEPTED,
     AT_CORNER,
@@ -263,6 +264,7 @@ def follow(
     h_previous, target_angle, error_limit, worthwhile = controls[5], controls[6], controls[7], controls[8]
     reference = 0.0 if mode == MARCH else info[3]
     start = 0 if mode == MARCH else 1
+    weigh(s.stages.weights, n, sizes)
     for j in range(size):
         z[j] = out_z[start, j]
     sign = correct(c, e, w, s, x, out_z[0], out_t[0], scale, h if start == 1 else 0.0, tolerance)

@@ -13,9 +13,11 @@ from contin.kernels.vector import multiply, subtract_four
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
 
-@vector_kernel("f3, i, i, i, i2, f2 -> i")
-def eliminate_dense(a, i, count, candidates, pivots, panel):
+@vector_kernel("f3, i, i, i, i2, f1, f2, f2 -> i")
+def eliminate_dense(a, i, count, candidates, pivots, sizes, weights, panel):
     """Eliminate columns 0 .. count - 1 of a[i] (rows, columns), pivots from the first `candidates` rows.
+
+    Rows are compared with their weights, `sizes` (candidates,); weights (candidates, .) is memory for them.
 
     Multipliers are stored below the diagonal, pivots (N, count); panel (4, rows) is memory.
     Returns the sign of the product of all pivots and row exchanges; 0 where a pivot vanishes or is NaN.
@@ -23,9 +25,11 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
     rows, width = a.shape[1], a.shape[2]
     sign = 1
     first = 0
+    for r in range(candidates):
+        weights[r, 0] = sizes[r]
     while first < count:
         end = min(first + 4, count)
-        part = _panel(a, i, first, end, candidates, pivots, panel)
+        part = _panel(a, i, first, end, candidates, pivots, weights, panel)
         if part == 0:
             return 0
         sign *= part
@@ -43,8 +47,8 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
     return sign
 
 
-@vector_kernel("f3, i, i, i, i, i2, f2 -> i")
-def _panel(a, i, first, end, candidates, pivots, panel):
+@vector_kernel("f3, i, i, i, i, i2, f2, f2 -> i")
+def _panel(a, i, first, end, candidates, pivots, weights, panel):
     """Factor columns first .. end - 1 (at most four), which stand side by side in panel (4, rows) afterwards.
 
     Of a[i], rows are exchanged as a whole, and nothing else is touched.
@@ -56,19 +60,22 @@ def _panel(a, i, first, end, candidates, pivots, panel):
     for j in range(columns):
         k = start + j
         p = k
-        limit = abs(panel[j, k]) / THRESHOLD
+        limit = weights[k, 0] * abs(panel[j, k]) / THRESHOLD
         exceeding = 0
         for r in range(k + one, np.uint64(candidates)):
-            exceeding += 1 if abs(panel[j, r]) > limit else 0
+            exceeding += 1 if weights[r, 0] * abs(panel[j, r]) > limit else 0
         if exceeding > 0:
             for r in range(k + one, np.uint64(candidates)):
-                if abs(panel[j, r]) > abs(panel[j, p]):
+                if weights[r, 0] * abs(panel[j, r]) > weights[p, 0] * abs(panel[j, p]):
                     p = np.uint64(r)
             sign = -sign
             for c in range(np.uint64(a.shape[2])):
                 swap = a[i, k, c]
                 a[i, k, c] = a[i, p, c]
                 a[i, p, c] = swap
+            swap = weights[k, 0]
+            weights[k, 0] = weights[p, 0]
+            weights[p, 0] = swap
             for c in range(columns):
                 swap = panel[c, k]
                 panel[c, k] = panel[c, p]
@@ -184,19 +191,21 @@ def _solve_upper(a, i, first, end, panel):
             a[i, k, c] *= x
 
 
-@vector_kernel("f3, i, i2, f2 -> i")
-def invert_dense(a, i, pivots, panel):
+@vector_kernel("f3, i, i2, f1, f2, f2 -> i")
+def invert_dense(a, i, pivots, sizes, weights, panel):
     """a[i] (d, d) becomes its inverse, in place (Gauss-Jordan, four columns at a time, row exchanges).
 
-    pivots (., d), panel (4, d) are memory. Returns the sign of the determinant; 0 where a pivot vanishes. Cost: 2 d^3
-    operations.
+    sizes and weights as in `eliminate_dense`; pivots (., d), panel (4, d) are memory. Returns the sign of the
+    determinant; 0 where a pivot vanishes. Cost: 2 d^3 operations.
     """
     d = a.shape[1]
     sign = 1
     first = 0
+    for r in range(d):
+        weights[r, 0] = sizes[r]
     while first < d:
         end = min(first + 4, d)
-        part = _panel(a, i, first, end, d, pivots, panel)
+        part = _panel(a, i, first, end, d, pivots, weights, panel)
         if part == 0:
             return 0
         sign *= part

@@ -14,9 +14,11 @@ from contin.kernels.lanes import address, backward_lanes, forward_lanes, subtrac
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
 
-@vector_kernel("f3, i, i, i, i, i2, f1 -> i")
-def eliminate(a, count, candidates, low, high, pivots, work):
+@vector_kernel("f3, i, i, i, i, i2, f1, f2, f1 -> i")
+def eliminate(a, count, candidates, low, high, pivots, sizes, weights, work):
     """Eliminate columns 0 .. count - 1 of lanes low .. high - 1, pivots from the first `candidates` rows.
+
+    Rows are compared with their weights, `sizes` (candidates,); weights (candidates, lanes) is memory for them.
 
     All rows below are updated and multipliers are stored below the diagonal. pivots (count, lanes), work (lanes,).
     Crout's order: of column k and row k all that was eliminated before is subtracted at once when they are needed.
@@ -26,20 +28,21 @@ def eliminate(a, count, candidates, low, high, pivots, work):
     step, lanes = width * far, high - low
     sign = 1
     first, end = np.uint64(low), np.uint64(high)
+    _weigh(weights, sizes, candidates, low, high)
     for k in range(count):
         row, column, here = address(a, k * step + low), address(a, k * far + low), address(a, k * (step + far) + low)
         subtract_products(here, step, rows - k, 1, row, step, column, step, k, far, lanes)
         for i in range(first, end):
-            work[i] = abs(a[k, k, i])
+            work[i] = weights[k, i] * abs(a[k, k, i])
         for r in range(k + 1, candidates):
             for i in range(first, end):
-                work[i] = max(work[i], abs(a[r, k, i]))
+                work[i] = max(work[i], weights[r, i] * abs(a[r, k, i]))
         small = 0
         for i in range(first, end):
             pivots[k, i] = k
-            small += 0 if abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
+            small += 0 if weights[k, i] * abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
         if small > 0:
-            sign *= _exchange(a, k, candidates, low, high, pivots, work)
+            sign *= _exchange(a, k, candidates, low, high, pivots, weights, work)
         negative = 0
         unfit = 0
         for i in range(first, end):
@@ -61,27 +64,29 @@ def eliminate(a, count, candidates, low, high, pivots, work):
     return sign
 
 
-@vector_kernel("f3, i2, f1 -> i")
-def invert(a, pivots, work):
+@vector_kernel("f3, i2, f1, f2, f1 -> i")
+def invert(a, pivots, sizes, weights, work):
     """All a[:, :, i] (d, d) become their inverses, in place (Gauss-Jordan). pivots (d, lanes) and work are memory.
 
-    Returns the sign of the product of the determinants; 0 where a pivot vanishes or is NaN.
+    sizes and weights as in `eliminate`. Returns the sign of the product of the determinants; 0 where a pivot vanishes
+    or is NaN.
     """
     d, _, lanes = a.shape
     sign = 1
     end = np.uint64(lanes)
+    _weigh(weights, sizes, d, 0, lanes)
     for k in range(d):
         for i in range(end):
-            work[i] = abs(a[k, k, i])
+            work[i] = weights[k, i] * abs(a[k, k, i])
         for r in range(k + 1, d):
             for i in range(end):
-                work[i] = max(work[i], abs(a[r, k, i]))
+                work[i] = max(work[i], weights[r, i] * abs(a[r, k, i]))
         small = 0
         for i in range(end):
             pivots[k, i] = k
-            small += 0 if abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
+            small += 0 if weights[k, i] * abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
         if small > 0:
-            sign *= _exchange(a, k, d, 0, lanes, pivots, work)
+            sign *= _exchange(a, k, d, 0, lanes, pivots, weights, work)
         negative = 0
         for i in range(end):
             work[i] = 1.0 / a[k, k, i]
@@ -115,16 +120,16 @@ def invert(a, pivots, work):
     return sign
 
 
-@vector_kernel("f3, i, i, i, i, i2, f1 -> i")
-def _exchange(a, k, candidates, low, high, pivots, largest):
+@vector_kernel("f3, i, i, i, i, i2, f2, f1 -> i")
+def _exchange(a, k, candidates, low, high, pivots, weights, largest):
     """Bring the largest candidate to row k in the lanes where the natural pivot is small; (-1)^exchanges."""
     sign = 1
     for i in range(low, high):
-        if abs(a[k, k, i]) >= THRESHOLD * largest[i]:
+        if weights[k, i] * abs(a[k, k, i]) >= THRESHOLD * largest[i]:
             continue
         p = k
         for r in range(k + 1, candidates):
-            if abs(a[r, k, i]) > abs(a[p, k, i]):
+            if weights[r, i] * abs(a[r, k, i]) > weights[p, i] * abs(a[p, k, i]):
                 p = r
         if p != k:
             pivots[k, i] = p
@@ -133,7 +138,18 @@ def _exchange(a, k, candidates, low, high, pivots, largest):
                 swap = a[k, c, i]
                 a[k, c, i] = a[p, c, i]
                 a[p, c, i] = swap
+            swap = weights[k, i]
+            weights[k, i] = weights[p, i]
+            weights[p, i] = swap
     return sign
+
+
+@vector_kernel("f2, f1, i, i, i")
+def _weigh(weights, sizes, rows, low, high):
+    """weights[:rows, low:high] = sizes[:rows]: rows have not been exchanged yet."""
+    for r in range(rows):
+        for i in range(np.uint64(low), np.uint64(high)):
+            weights[r, i] = sizes[r]
 
 
 @vector_kernel("f3, i, i, i, i2, f2")

@@ -39,6 +39,7 @@ from contin.kernels.condensation import eliminate_intervals
 from contin.kernels.filling import fill
 from contin.kernels.floquet import deflate, multipliers, transitions
 from contin.kernels.signature import structure
+from contin.kernels.stages import weigh
 from contin.kernels.steering import (
     ACCEPTED,
     AT_CORNER,
@@ -182,7 +183,7 @@ def floquet(e, w, s, x):
     z, m_all, field, state = x.z, x.transitions, x.field, x.state
     F, p = w.F, w.p
     fine = True
-    transitions(s.local, n, m, m_all)
+    transitions(s.local, n, m, s.stages.weights, m_all)
     trivial = 1.0
     skip = 0
     if e.forcing == 0:
@@ -193,7 +194,7 @@ def floquet(e, w, s, x):
                 state[k] = z[i * m * n + k]
             call3(e.value, state, p, F)
             for k in range(n):
-                field[i, k] = F[k]
+                field[i, k] = F[k] * s.stages.weights[k]
         trivial = deflate(m_all, field)
         fine &= math.isfinite(trivial)
     if fine and multipliers(m_all, skip, x.basis, x.re, x.im):
@@ -305,6 +306,7 @@ def follow(
     h_previous, target_angle, error_limit, period_limit = controls[5], controls[6], controls[7], controls[8]
     worthwhile = controls[9]
     reference = info[3] if mode == PROBE else 0.0
+    weigh(s.stages.weights, n, sizes)
     start = 1 if mode in (PROBE, CORRECT) else 0
     for j in range(size):
         z[j] = out_z[start, j]

@@ -22,7 +22,7 @@ from contin.kernels.collocation_dense import eliminate_right_dense, substitute_b
 from contin.kernels.collocation_elimination import eliminate_right, substitute_back
 from contin.kernels.compile import kernel
 from contin.kernels.condensation import condense
-from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.dense import lu_factor_weighted, lu_solve
 from contin.kernels.signature import structure
 from contin.kernels.stages import new_stages
 from contin.kernels.stages_dense import expand_stages_dense, reduce_stages_dense
@@ -124,7 +124,7 @@ def factorise(s, n, m, border, sign_of_end):
             s_last_right_block[r, c] = end[r, n + c]
         for q in range(2):
             s_last_border_right[q, c] = end[n + q, n + c]
-    part = lu_factor(s_last, s.last_pivots)
+    part = lu_factor_weighted(s_last, s.last_pivots, s.stages.weights, n, s.stages.row_weights)
     for k in range(n + 2):
         if s_last[k, k] < 0.0:
             part = -part

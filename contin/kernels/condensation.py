@@ -38,12 +38,12 @@ def next_level(depth, nodes, here, level, first, count):
 @kernel("Factors, i, i -> i")
 def eliminate_intervals(s, n, m):
     """The inner stages of every interval; returns the sign of the pivots, 0 where one vanishes."""
-    inner = (m - 2) * n
+    inner, sizes, weights = (m - 2) * n, s.stages.weights, s.stages.row_weights
     if n <= LANES:
-        return eliminate(s.local, inner, inner, 0, s.local.shape[2], s.local_pivots, s.work)
+        return eliminate(s.local, inner, inner, 0, s.local.shape[2], s.local_pivots, sizes, weights, s.work)
     sign = 1
     for i in range(s.local.shape[0]):
-        part = eliminate_dense(s.local, i, inner, inner, s.local_pivots, s.panel)
+        part = eliminate_dense(s.local, i, inner, inner, s.local_pivots, sizes, weights, s.panel)
         if part == 0:
             return 0
         sign *= part
@@ -55,6 +55,7 @@ def condense_lanes(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p), into s.end; all lanes at once. Returns the sign of the pivots."""
     s_local, s_blocks, s_levels, s_work = s.local, s.blocks, s.levels, s.work
     s_nodes, s_depth, s_here = s.nodes, s.depth, s.here
+    sizes, weights = s.stages.weights, s.stages.row_weights
     intervals = s_local.shape[2]
     sign = eliminate_intervals(s, n, m)
     if sign == 0:
@@ -69,7 +70,7 @@ def condense_lanes(s, n, m):
         pairs = count // 2
         next_level(s_depth, s_nodes, s_here, level, first, count)
         _pair_up(s_blocks, s_levels, n, pairs, first)
-        part = eliminate(s_levels, n, 2 * n, first, first + pairs, s.level_pivots, s_work)
+        part = eliminate(s_levels, n, 2 * n, first, first + pairs, s.level_pivots, sizes, weights, s_work)
         if part == 0:
             return 0
         sign *= part
@@ -140,6 +141,7 @@ def _pair_up(blocks, levels, n, pairs, first):
 def condense_dense(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p) of `Factors` s, into s.end; returns the sign of the pivots."""
     local, levels, blocks, here = s.local, s.levels, s.blocks, s.here
+    sizes, weights = s.stages.weights, s.stages.row_weights
     intervals = local.shape[0]
     sign = eliminate_intervals(s, n, m)
     if sign == 0:
@@ -157,7 +159,7 @@ def condense_dense(s, n, m):
         for j in range(pairs):
             k = first + j
             _join(blocks, levels, n, j, k)
-            part = eliminate_dense(levels, k, n, 2 * n, s.level_pivots, s.panel)
+            part = eliminate_dense(levels, k, n, 2 * n, s.level_pivots, sizes, weights, s.panel)
             if part == 0:
                 return 0
             sign *= part

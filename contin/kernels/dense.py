@@ -10,6 +10,46 @@ def assign(target, source):
         target[i] = source[i]
 
 
+@kernel("f2, i1, f1, i, f2 -> i")
+def lu_factor_weighted(a, pivots, sizes, count, weights):
+    """As `lu_factor`, where rows are compared with their weights: `sizes` of the first `count`, 1 of the others.
+
+    weights (n, .) is memory for them.
+    """
+    n = a.shape[0]
+    sign = 1
+    for i in range(n):
+        weights[i, 0] = sizes[i] if i < count else 1.0
+    for k in range(n):
+        p = k
+        largest = abs(a[k, k]) * weights[k, 0]
+        for i in range(k + 1, n):
+            size = abs(a[i, k]) * weights[i, 0]
+            if size > largest:
+                largest = size
+                p = i
+        pivots[k] = p
+        if not largest > 0.0:  # zero or NaN
+            return 0
+        if p != k:
+            sign = -sign
+            swap = weights[k, 0]
+            weights[k, 0] = weights[p, 0]
+            weights[p, 0] = swap
+            for j in range(n):
+                swap = a[k, j]
+                a[k, j] = a[p, j]
+                a[p, j] = swap
+        inverse = 1.0 / a[k, k]
+        for i in range(k + 1, n):
+            factor = a[i, k] * inverse
+            a[i, k] = factor
+            if factor != 0.0:
+                for j in range(k + 1, n):
+                    a[i, j] -= factor * a[k, j]
+    return sign
+
+
 @kernel("f2, i1 -> i")
 def lu_factor(a, pivots):
     """Factor `a` (n, n) in place, P a = L U with partial pivoting; returns the sign of P, 0 where a pivot vanishes."""

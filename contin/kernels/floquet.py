@@ -23,14 +23,18 @@ from contin.kernels.vector import add_four, subtract_four
 KEPT = 0.03  # a column that keeps more than this part of its length is orthogonal to rounding after one projection
 
 
-@kernel("f3, i, i, f3")
-def transitions(local, n, m, out):
-    """M_i (N, n, n) from the condensed intervals `local` of `Factors`: minus their blocks of the left end."""
+@kernel("f3, i, i, f1, f3")
+def transitions(local, n, m, weights, out):
+    """M_i (N, n, n) from the condensed intervals `local` of `Factors`: minus their blocks of the left end.
+
+    They act on states measured in their sizes, 1 / `weights`: lengths and angles mean something then.
+    """
     inner = (m - 2) * n
     for i in range(out.shape[0]):
         for r in range(n):
             for c in range(n):
-                out[i, r, c] = -local[i, inner + r, inner + c] if n > LANES else -local[inner + r, inner + c, i]
+                value = local[i, inner + r, inner + c] if n > LANES else local[inner + r, inner + c, i]
+                out[i, r, c] = -value * (weights[r] / weights[c])
 
 
 @allocating("f3, f2 -> f")

@@ -30,9 +30,11 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.collocation_basis import basis
+from contin.kernels.compile import kernel
 from contin.kernels.signature import structure
 
 GROWTH = 10.0  # of rounding errors that is let be, as where a pivot is a tenth of the largest candidate
+ALIKE = 1e3  # sizes of states that differ by less, and from 1, count as 1: pivots are good with numbers as they stand
 
 Stages = namedtuple(
     "Stages",
@@ -51,9 +53,28 @@ Stages = namedtuple(
         "outer",  # (2 n, N) Z times the pair's right-hand sides
         "values",  # (m n, N) stage values of a solution
         "vector",  # (2, max(2, m) n) memory
+        "weights",  # (m n + 4,) of rows where pivots are chosen: 1 / the size of the row's state
+        "row_weights",  # (m n + 4, N) memory: they are exchanged with their rows
     ],
 )
-structure(Stages, "f2, f2, f3, f4, i2, f3, f3, f3, f3, f2, f2, f2, f2")
+structure(Stages, "f2, f2, f3, f4, i2, f3, f3, f3, f3, f2, f2, f2, f2, f1, f2")
+
+
+@kernel("f1, i, f1")
+def weigh(weights, n, sizes):
+    """1 / sizes of the n states, one stage after another; all 1 where sizes are those of ordinary units.
+
+    A pivot is the largest in its column of rows that are measured in the sizes of their states. In units of 1e8 and
+    1e-8 the largest number would be a wrong pivot, and rounding errors as large as the solution.
+    """
+    low, high = np.inf, 0.0
+    for k in range(n):
+        low = min(low, sizes[k])
+        high = max(high, sizes[k])
+    ordinary = low * ALIKE >= max(1.0, high) and high <= ALIKE
+    known = low > 0.0 and high < np.inf
+    for r in range(weights.size):
+        weights[r] = 1.0 / sizes[r % n] if known and not ordinary else 1.0
 
 
 def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:
@@ -70,5 +91,5 @@ def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:
         nodes, scheme.slopes @ nodes, lanes(2, m * n), lanes(2, m + 1, n),
         np.zeros(pivots, np.int64), lanes(2 * n, 2 * n), np.zeros(half), np.zeros(half), lanes(2, 2 * n),
         np.zeros((2 * n, n if dense else intervals)), np.zeros((2 * n, intervals)), np.zeros((m * n, intervals)),
-        np.zeros((2, max(2, m) * n)),
+        np.zeros((2, max(2, m) * n)), np.ones(max(2, m) * n + 4), np.ones((max(2, m) * n + 4, intervals)),
     )  # fmt: skip

@@ -16,14 +16,14 @@ def invert_pair_dense(e, w, period, g, i, panel):
     y, z = g.differences[0, m], g.differences[m - 1, 1]
     one = np.uint64(n)
     _stage(e, w, period, g, i, 0, first)
-    sign = invert_dense(first, 0, g.pivots, panel)
-    if sign == 0 or not _largest(first) * max(abs(y), abs(z)) <= GROWTH:
+    sign = invert_dense(first, 0, g.pivots, g.weights, g.row_weights, panel)
+    if sign == 0 or not _largest(first, g.weights) * max(abs(y), abs(z)) <= GROWTH:
         return _invert_together(e, w, period, g, i, panel)
     _stage(e, w, period, g, i, m - 1, last)
     for k in range(one):
         for q in range(one):
             last[0, k, q] -= y * z * first[0, k, q]
-    sign *= invert_dense(last, 0, g.pivots, panel)
+    sign *= invert_dense(last, 0, g.pivots, g.weights, g.row_weights, panel)
     if sign == 0:
         return 0
     for k in range(one):
@@ -74,13 +74,13 @@ def _stage(e, w, period, g, i, c, out):
         out[0, k, k] += g.differences[c, 1 + c]
 
 
-@vector_kernel("f3 -> f")
-def _largest(a):
-    """Largest modulus of all a[0] (n, n)."""
+@vector_kernel("f3, f1 -> f")
+def _largest(a, weights):
+    """Largest modulus of all a[0] (n, n), of states measured in their sizes, the inverse `weights`."""
     largest = 0.0
     for k in range(a.shape[1]):
         for q in range(np.uint64(a.shape[2])):
-            x = abs(a[0, k, q])
+            x = weights[k] * abs(a[0, k, q]) / weights[q]
             largest = x if x > largest else largest
     return largest
 
@@ -103,7 +103,7 @@ def _invert_together(e, w, period, g, i, panel):
                 inverse[i, r, one + q] = 0.0 if a == 0 else value
             inverse[i, r, k] += x
             inverse[i, r, n + k] += y
-    return invert_dense(inverse, i, g.pivots, panel)
+    return invert_dense(inverse, i, g.pivots, g.weights, g.row_weights, panel)
 
 
 @vector_kernel("Equations, Points, f, Stages, i, f")

@@ -17,15 +17,15 @@ def invert_pair(e, w, period, g, work):
     lanes = w.h.size
     end = np.uint64(lanes)
     _stage(e, w, period, g, 0, first)
-    sign = invert(first, g.pivots, work)
-    if sign == 0 or not _largest(first) * max(abs(y), abs(z)) <= GROWTH:
+    sign = invert(first, g.pivots, g.weights, g.row_weights, work)
+    if sign == 0 or not _largest(first, g.weights) * max(abs(y), abs(z)) <= GROWTH:
         return _invert_together(e, w, period, g, work)
     _stage(e, w, period, g, m - 1, last)
     for k in range(n):
         for q in range(n):
             for i in range(end):
                 last[k, q, i] -= y * z * first[k, q, i]
-    sign *= invert(last, g.pivots, work)
+    sign *= invert(last, g.pivots, g.weights, g.row_weights, work)
     if sign == 0:
         return 0
     for k in range(n):
@@ -65,15 +65,16 @@ def _stage(e, w, period, g, c, out):
                 out[k, q, i] = y - period * h[i] * fu[c, k, q, i]
 
 
-@vector_kernel("f3 -> f")
-def _largest(a):
-    """Largest modulus of all a (n, n, N)."""
+@vector_kernel("f3, f1 -> f")
+def _largest(a, weights):
+    """Largest modulus of all a (n, n, N), of states measured in their sizes, the inverse `weights`."""
     n, _, lanes = a.shape
     largest = 0.0
     for k in range(n):
         for q in range(n):
+            ratio = weights[k] / weights[q]
             for i in range(np.uint64(lanes)):
-                x = abs(a[k, q, i])
+                x = ratio * abs(a[k, q, i])
                 largest = x if x > largest else largest
     return largest
 
@@ -96,7 +97,7 @@ def _invert_together(e, w, period, g, work):
                     else:
                         for i in range(lanes):
                             inverse[a * n + k, b * n + q, i] = y
-    return invert(inverse, g.pivots, work)
+    return invert(inverse, g.pivots, g.weights, g.row_weights, work)
 
 
 @vector_kernel("Equations, Points, f, Stages")

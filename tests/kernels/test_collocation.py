@@ -123,7 +123,7 @@ def test_transitions_of_a_linear_equation_are_those_of_gauss_collocation(n, m):
     assert fill(e, w, z, tangent, scale, s, border) != 0
     assert factorise(s, n, m, border, 1.0) != 0
     out = np.empty((3, n, n))
-    transitions(s.local, n, m, out)
+    transitions(s.local, n, m, np.ones(n), out)
     powers = [comb(m, k) * factorial(2 * m - k) / factorial(2 * m) for k in range(m + 1)]
     for i, h in enumerate(w.h):
         x = h * z[3 * m * n + n] * matrix
@@ -175,14 +175,15 @@ def test_inverses_in_place_also_where_rows_have_to_be_exchanged(d):
     a[1] = np.roll(np.eye(d), 1, axis=0) + 1e-3 * a[1]
     signs = np.linalg.slogdet(a)[0]
     lanes = np.moveaxis(a, 0, -1).copy()
-    assert invert(lanes, np.zeros((d, 5), np.int64), np.zeros(5)) == np.prod(signs)
+    assert invert(lanes, np.zeros((d, 5), np.int64), np.ones(d), np.ones((d, 5)), np.zeros(5)) == np.prod(signs)
     one_by_one = a.copy()
-    found = [invert_dense(one_by_one, i, np.zeros((5, d), np.int64), np.zeros((4, d))) for i in range(5)]
+    ones, memory = np.ones(d), np.ones((d, 1))
+    found = [invert_dense(one_by_one, i, np.zeros((5, d), np.int64), ones, memory, np.zeros((4, d))) for i in range(5)]
     np.testing.assert_array_equal(found, signs)
     for inverse in (np.moveaxis(lanes, -1, 0), one_by_one):
         np.testing.assert_allclose(inverse @ a, np.broadcast_to(np.eye(d), a.shape), atol=1e-9)
     a[2, :, 0] = 0.0
-    assert invert_dense(a, 2, np.zeros((5, d), np.int64), np.zeros((4, d))) == 0
+    assert invert_dense(a, 2, np.zeros((5, d), np.int64), np.ones(d), np.ones((d, 1)), np.zeros((4, d))) == 0
 
 
 @pytest.mark.parametrize("m", range(2, 8))

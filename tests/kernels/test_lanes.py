@@ -12,6 +12,7 @@ from contin.kernels.lanes import subtract_products
 from contin.kernels.stages import GROWTH
 from contin.kernels.stages_dense import invert_pair_dense
 from contin.kernels.stages_lanes import invert_pair
+from contin.machine import elementary
 from tests.kernels.test_collocation import random_problem
 
 
@@ -41,7 +42,7 @@ def test_elimination_forward_and_back_solves_the_block_systems(count, rest, lane
     y, f = generator.normal(size=(rest, far)), generator.normal(size=(size, far))
     a, right = matrices.copy(), f.copy()
     pivots, used = np.zeros((count, far), np.int64), slice(low, low + lanes)
-    sign = eliminate(a, count, count, low, low + lanes, pivots, np.zeros(far))
+    sign = eliminate(a, count, count, low, low + lanes, pivots, np.ones(count), np.ones((count, far)), np.zeros(far))
     tops = np.moveaxis(matrices[:count, :count, used], 2, 0)
     assert sign == np.prod(np.linalg.slogdet(tops)[0])
     eliminate_right(a, count, low, low + lanes, pivots, right)
@@ -62,7 +63,7 @@ def test_elimination_forward_and_back_solves_the_block_systems(count, rest, lane
 def test_a_singular_matrix_among_others_is_told():
     a = np.random.default_rng(1).normal(size=(4, 4, 6))
     a[:, 1, 4] = 0.0
-    assert eliminate(a, 2, 2, 0, 6, np.zeros((2, 6), np.int64), np.zeros(6)) == 0
+    assert eliminate(a, 2, 2, 0, 6, np.zeros((2, 6), np.int64), np.ones(2), np.ones((2, 6)), np.zeros(6)) == 0
 
 
 @pytest.mark.parametrize("m", [2, 4])
@@ -92,3 +93,23 @@ def test_the_inverse_of_the_outer_pair_of_stages(n, m, meeting):
         bound = 50.0 * GROWTH * np.finfo(float).eps * np.linalg.cond(pair)
         assert np.abs(inverse[i] @ pair - np.eye(2 * n)).max() < bound
     assert sign == np.prod(expected)
+
+
+@pytest.mark.parametrize("count", [3, 6])
+def test_pivots_are_those_of_rows_measured_in_their_sizes(count):
+    """Rows in units 1e8 and 1e-8: the same pivots as in ordinary units, and multipliers that are as small."""
+    generator = np.random.default_rng(count)
+    a = generator.normal(size=(count, count, 4))
+    sizes = elementary.pow(np.full(count, 10.0), generator.uniform(-8.0, 8.0, count))
+    wide, pivots, others = a * sizes[:, None, None], np.zeros((count, 4), np.int64), np.zeros((count, 4), np.int64)
+    ones, memory = np.ones(count), np.ones((count, 4))
+    sign = eliminate(a, count, count, 0, 4, pivots, ones, memory, np.zeros(4))
+    assert eliminate(wide, count, count, 0, 4, others, 1.0 / sizes, memory, np.zeros(4)) == sign
+    np.testing.assert_array_equal(others, pivots)
+    for i in range(4):
+        order = np.arange(count)
+        for k, p in enumerate(pivots[:, i]):
+            order[[k, p]] = order[[p, k]]
+        rows = sizes[order]
+        lower = np.tril(a[:, :, i], -1) * rows[:, None] / rows
+        np.testing.assert_allclose(np.tril(wide[:, :, i], -1), lower, rtol=1e-9)

@@ -63,7 +63,7 @@ def test_elimination_forward_and_back_solves_the_block_system(count, rest):
     a, right = matrices.copy(), f.copy()
     pivots, panel, memory = np.zeros((lanes, count), np.int64), np.zeros((4, size)), np.zeros(size + 4)
     for i in range(lanes):
-        sign = eliminate_dense(a, i, count, count, pivots, panel)
+        sign = eliminate_dense(a, i, count, count, pivots, np.ones(count), np.ones((count, 1)), panel)
         assert sign == np.linalg.slogdet(matrices[i, :count, :count])[0]
     eliminate_right_dense(a, count, 0, lanes, pivots, right, memory)
     reduced = right[count:].copy()

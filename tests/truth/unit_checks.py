@@ -39,7 +39,8 @@ def line(model: Model, start: Any, parameter: str, names: tuple[str, ...], **giv
     """Equilibria (fixed points) in one parameter over its range, from a start."""
 
     def check(verbs: Verbs) -> Mapping[str, Any]:
-        first = contin.equilibrium(verbs.model, verbs.new(start), verbs.new(given))
+        place = None if start is None else verbs.new(start)
+        first = contin.equilibrium(verbs.model, place, verbs.new(given))
         return summary(verbs, contin.continuation(first, parameter), names)
 
     return check

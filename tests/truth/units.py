@@ -30,8 +30,28 @@ class Units:
     def of_state(self, k: int) -> float:
         return 1.0 / self.state if self.mixed and k % 2 else self.state
 
+    def of_parameter(self, k: int) -> float:
+        return self.parameter
+
     def __str__(self) -> str:
         return f"{'mixed ' if self.mixed else ''}x {self.state:g}, t {self.time:g}, p {self.parameter:g}"
+
+
+@dataclass(frozen=True)
+class Scattered(Units):
+    """Each state and each parameter in a unit of its own: exponents from lists, used again from the beginning."""
+
+    states: tuple[float, ...] = ()
+    parameters: tuple[float, ...] = ()
+
+    def of_state(self, k: int) -> float:
+        return self.states[k % len(self.states)]
+
+    def of_parameter(self, k: int) -> float:
+        return self.parameters[k % len(self.parameters)]
+
+    def __str__(self) -> str:
+        return f"x {self.states}, t {self.time:g}, p {self.parameters}"
 
 
 ORDINARY = Units()
@@ -50,7 +70,7 @@ LONG = (
 def in_units(model: Model, units: Units) -> Model:
     """The model written in other units, M du/dt = f row by row; a map keeps its time, an algebraic system has none."""
     states = {s.name: number(units.of_state(k)) for k, s in enumerate(model.states)}
-    parameters = {p.name: number(units.parameter) for p in model.parameters}
+    parameters = {p.name: number(units.of_parameter(k)) for k, p in enumerate(model.parameters)}
     clock = number(1.0 if model.kind in ("map", "algebraic") else units.time)
     names = {**states, **parameters, model.interval.name if model.interval else TIME: clock}
     old = {symbol(n): mul(unit, symbol(n)) for n, unit in names.items()}
@@ -132,7 +152,7 @@ class Verbs:
         if base in self.old.state_names:
             return self.units.of_state(self.old.state_names.index(base))
         if base in self.old.parameter_names:
-            return self.units.parameter
+            return self.units.of_parameter(self.old.parameter_names.index(base))
         return (1.0 if self.old.kind == "map" else self.units.time) if base in ("period", "t") else 1.0
 
     def new(self, values: Mapping[str, Any]) -> dict[str, Any]:

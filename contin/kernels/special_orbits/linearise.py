@@ -18,6 +18,7 @@ from contin.kernels.special_orbits.columns import (
 )
 from contin.kernels.special_orbits.memory import BPC, FAILED, LPC, NOT_FINITE, NS, PD
 from contin.kernels.special_orbits.null_vectors import final_factors, finish, null_functions
+from contin.kernels.stages import weigh
 
 
 @kernel("Equations, Curve, Points, Factors, Borders, CurveMemory, f1, f, f -> i")
@@ -29,6 +30,7 @@ def linearise(e, c, w, s, f, o, sizes, q, extra):
     second_column(e, c, w, o.z, o.fq)
     turn(f.across, f.along, w.fp, o.fq, o.fr)
     residual(e, w, o.z, s.right_local, o.jump, o.border)
+    weigh(s.stages.weights, e.n, sizes)
     if fill(e, w, o.z, o.zero, o.units, s, o.corner) == 0 or condense(s, e.n, e.m) == 0:
         return FAILED
     if c.kind == NS and e.forcing == 0:

@@ -2,7 +2,7 @@
 
 from contin.kernels.collocation_system import clear_right, expand
 from contin.kernels.compile import kernel
-from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.dense import lu_factor_weighted, lu_solve
 from contin.kernels.special_orbits.memory import BPC, PD
 
 
@@ -29,7 +29,7 @@ def final_factors(e, c, w, s, f, o):
             final[n + 2, j] = rows[1, j]
         final[n + 1, n + 2] = 0.0
         final[n + 2, n + 2] = 0.0
-    return lu_factor(final, o.final_pivots) != 0
+    return lu_factor_weighted(final, o.final_pivots, s.stages.weights, n, s.stages.row_weights) != 0
 
 
 @kernel("Factors, i, i, Borders, CurveMemory, f, b, i")
@@ -96,7 +96,7 @@ def null_functions(e, c, s, f, o, k):
                     a[q * n + r, 2 * n + 2 + q] = end[r, 2 * n]
                     a[2 * n + 2 + q, q * n + r] = o.section[r]
         x[2 * n] = 1.0
-    if lu_factor(a, o.null_pivots) == 0:
+    if lu_factor_weighted(a, o.null_pivots, s.stages.weights, n if c.kind == PD else 2 * n, s.stages.row_weights) == 0:
         return False
     lu_solve(a, o.null_pivots, x)
     passes = 1 if c.kind == PD else 2

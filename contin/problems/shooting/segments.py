@@ -14,6 +14,7 @@ from contin.kernels.floquet import deflate, multipliers
 from contin.problems.shooting.layout import Nodes, moving
 from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
+from contin.simulate.natural import filled
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_family import ShotFamily
@@ -150,7 +151,9 @@ class Segments:
         n, skip = self.problem.n, 1 if self.problem.autonomous else 0
         turning = np.abs(self.directions) * self.nodes.period / (2.0 * np.pi)  # a state may be 0 at the only node
         sizes = np.maximum(np.abs(self.nodes.u), turning).max(axis=0)
-        sizes = np.maximum(sizes, 1e-6 * max(float(sizes.max()), 1e-300))
+        if np.all(np.isfinite(self.transitions)):
+            sizes = filled(sizes, np.abs(self.transitions).mean(axis=0))[0]  # those that are next to zero
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
         matrices = np.ascontiguousarray(self.transitions * sizes / sizes[:, None])
         values = np.full(n, np.nan, complex)
         directions = np.ascontiguousarray(self.directions / sizes)

@@ -22,7 +22,7 @@ from contin.problems.orbits.march.memory import memory_of
 from contin.problems.orbits.march.rows import Rows
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.adaption import WORTHWHILE, estimate
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, make_scale
 
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
@@ -96,7 +96,9 @@ def multipliers(family: OrbitEquations, z: Array) -> NDArray[np.complex128]:
     """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
     out = Rows.of(1, z.size, TESTS, family.n)
     out.z[0], out.t[0] = z, 0.0
-    _call(family, STABILITY, out, np.ones_like(z), np.zeros(CONTROLS))
+    profile = family.profile(z)
+    scale = make_scale(profile.h, profile.m, family.state_sizes(profile), profile.period, 1.0)
+    _call(family, STABILITY, out, scale, np.zeros(CONTROLS))
     resolve(family, out.z, out.re, out.im)
     return np.asarray(out.re[0] + 1j * out.im[0])
 
