@@ -9,13 +9,14 @@ length over which the equations bend (a pressure near 1e5 whose changes matter),
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.model.model import Model
+from contin.simulate.natural import ROUNDING as NEXT_TO_ZERO
 from contin.simulate.natural import beyond_rounding, filled
 
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the scale of a state by this factor at most
@@ -52,14 +53,14 @@ def state_scales(
     declared: Array,
     usual: Array,
     lengths: Array | None = None,
-    growth: Callable[[], tuple[Array, Array]] | None = None,
-) -> tuple[Array, Array]:
+    growth: Iterable[tuple[Array, Array]] = (),
+) -> tuple[Array, NDArray[np.bool_]]:
     """Typical sizes of the states, (n,), all positive; and which of them are a mere 1.
 
     u : (n,) start.  jacobian : (n, n + 1) = [F_u | F_p] there.  parameter_scale : length of the parameter's range.
     declared, usual : `contin.simulate.natural.sizes_of`.  lengths : `bending_lengths`, where they are known.
-    growth : gives `contin.simulate.natural.growth_lengths` and |d^2 F_k / d u_i^2| (n, n), for states about which
-    nothing else is known.
+    growth : lengths (n,) as `contin.simulate.natural.growth_lengths` gives them and |d^2 F_k / d u_i^2| (n, n), for
+    states about which nothing else is known; the next ones for those about which these say nothing.
     """
     n = u.size
     size = beyond_rounding(u, usual)
@@ -77,11 +78,17 @@ def state_scales(
     scale = np.where(declared > 0.0, declared, scale)
     coupling = np.abs(jacobian[:, :n]) if finite else np.zeros((n, n))
     balanced, unknown = filled(scale, coupling, lengths=lengths)
+    said = ~unknown & (scale > NEXT_TO_ZERO * scale.max(initial=0.0)) & (usual > 0.0)  # also beside those found below
     if unknown.any() and usual.any():
-        balanced, unknown = filled(np.where(unknown, usual, scale), coupling, lengths=lengths)
-    if unknown.any() and growth is not None:
-        lengths, second = growth()
-        balanced, unknown = filled(np.where(unknown, lengths, scale), coupling, second)
+        balanced, unknown = filled(np.where(unknown, usual, scale), coupling, lengths=lengths, said=said)
+    if unknown.any():
+        seen = scale
+        for lengths, second in growth:
+            said |= unknown & (lengths > 0.0)
+            seen = np.where(unknown, lengths, seen)
+            balanced, unknown = filled(seen, coupling, second, said=said)
+            if not unknown.any():
+                break
     small = (declared == 0.0) & (scale < NEGLIGIBLE * balanced)
     result = np.where(small | (scale <= 0.0), balanced, scale)
     return result, unknown

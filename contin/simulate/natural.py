@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import ContinError
@@ -21,6 +22,7 @@ from contin.linalg.balancing import balancing_scales
 from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
+from contin.simulate.beyond_slopes import lengths_beyond_slopes
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -75,7 +77,13 @@ def natural_metric(system: System, u: Array, p: Array, seen: Array | None = None
         second, third = pure_derivatives(system, u, full)
         lengths = growth_lengths(np.abs(matrix), second, third)
         known = np.where(size > 0.0, size, lengths)
-        found, guessed = filled(np.where(guessed, known, size), np.abs(matrix), second, lengths)
+        said = np.where(guessed, size == 0.0, (usual > 0.0) & (size > ROUNDING * size.max()))
+        known = np.where(guessed, known, size)
+        found, guessed = filled(known, np.abs(matrix), second, lengths, said)
+        if guessed.any():
+            further = lengths_beyond_slopes(system, u, full, np.abs(matrix), np.where(guessed, lengths, found))
+            known = np.where(guessed & (size == 0.0), further, known)
+            found, guessed = filled(known, np.abs(matrix), second, lengths, said)
     size = found
     time = 1.0 / rate if rate > 0.0 else 0.0
     if system.kind == "map":
@@ -193,6 +201,7 @@ def growth_lengths(slopes: Array, second: Array, third: Array) -> Array:
 
     slopes : (n, n), |d F_k / d u_i|, or how large that becomes over the parameter's range. 0 where nothing says so.
     """
+    slopes = without_rounding(slopes)  # of z' = -x^2 the one at x = 1e-33 is 2e-33, as long as that is not x's unit
     with np.errstate(divide="ignore", invalid="ignore"):
         lengths = np.stack([2.0 * slopes / second, np.sqrt(6.0 * slopes / third)])
     lengths = np.where(np.isfinite(lengths) & (lengths > 0.0), lengths, np.inf)
@@ -201,17 +210,24 @@ def growth_lengths(slopes: Array, second: Array, third: Array) -> Array:
 
 
 def filled(
-    scale: Array, coupling: Array, second: Array | None = None, lengths: Array | None = None
-) -> tuple[Array, Array]:
+    scale: Array,
+    coupling: Array,
+    second: Array | None = None,
+    lengths: Array | None = None,
+    said: NDArray[np.bool_] | None = None,
+) -> tuple[Array, NDArray[np.bool_]]:
     """Unknown (zero) sizes (n,) so that coupling (n, n) to and from the others is alike; and which are a mere 1.
 
     second : |d^2 F_k / d u_i^2|, (n, n): what drives a state to which nothing couples to first order.
     lengths : (n,), over which the equations bend in each state; a size as large as that is no rounding error.
+    said : (n,), true where a size is the model's own word, which is one in units of 1e-12 of the others, too.
     """
     n = scale.size
     known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
     if lengths is not None:
         known |= np.isfinite(lengths) & (scale > lengths / BENDING) & (scale < lengths * BENDING)
+    if said is not None:
+        known |= said & (scale > 0.0)
     result = np.where(known, scale, 1.0)
     found = known.copy()
     unknown = np.flatnonzero(~known)

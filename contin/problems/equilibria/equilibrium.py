@@ -120,7 +120,7 @@ class EquilibriumProblem(AlgebraicEquations):
         states, _, width = self._scales(z, bounds)
         return np.append(np.sqrt(self.n) * states, width)
 
-    def _scales(self, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
+    def _scales(self, z: Array, bounds: tuple[float, float]) -> tuple[Array, NDArray[np.bool_], float]:
         """`scales_at`, kept for the last start: it is asked for there, and of that again at the end."""
         place = z.tobytes(), *bounds
         if place not in self._known_scales:
@@ -129,7 +129,7 @@ class EquilibriumProblem(AlgebraicEquations):
         return self._known_scales[place]
 
     @cached_property
-    def _known_scales(self) -> dict[tuple[object, ...], tuple[Array, Array, float]]:
+    def _known_scales(self) -> dict[tuple[object, ...], tuple[Array, NDArray[np.bool_], float]]:
         return {}
 
     def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
