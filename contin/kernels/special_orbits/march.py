@@ -98,7 +98,7 @@ def follow_special(
                     moved += ((z[j] - here[j]) / scale[j]) ** 2
                     cosine += tangent[j] * t[j]
                 taken = math.sqrt(moved) * cos_max <= h + 10.0 * tolerance
-                beyond = taken and not winds and turned_over(here, z, n, nodes)
+                beyond = taken and not winds and turned_over(here, z, n, nodes, sizes)
                 taken = taken and not beyond and cosine >= cos_max
             there = 1.0
             if taken and not looked and side_before != 0.0:

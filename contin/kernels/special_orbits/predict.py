@@ -4,6 +4,8 @@ import numpy as np
 
 from contin.kernels.compile import vector_kernel
 
+POINT = 1e-12  # of its states' sizes: an orbit that is as small is a point and rounding
+
 
 @vector_kernel("f1, f1, f1, f1, i, i, f1")
 def bring_in_phase(guess, here, scale, weights, n, nodes, drift):
@@ -25,18 +27,21 @@ def bring_in_phase(guess, here, scale, weights, n, nodes, drift):
             guess[j] -= shift / size * drift[j]
 
 
-@vector_kernel("f1, f1, i, i -> b")
-def turned_over(a, b, n, nodes):
-    """True where the orbit between a and b has shrunk to a point: seen from its mean it lies on the other side."""
+@vector_kernel("f1, f1, i, i, f1 -> b")
+def turned_over(a, b, n, nodes, sizes):
+    """True where the orbit between a and b has shrunk to a point: seen from its mean it lies on the other side.
+
+    States are measured in their sizes (n,). A forced orbit may be a point all along the curve, where what is seen from
+    its mean is rounding.
+    """
     total = 0.0
-    for j in range(np.uint64(nodes)):
-        total += a[j] * b[j]
     count = nodes // n
     for k in range(n):
         mean = 0.0
         other = 0.0
         for i in range(count):
-            mean += a[i * n + k]
-            other += b[i * n + k]
-        total -= mean * other / count
-    return total < 0.0
+            mean += a[i * n + k] / count
+            other += b[i * n + k] / count
+        for i in range(count):
+            total += (a[i * n + k] - mean) / sizes[k] * ((b[i * n + k] - other) / sizes[k])
+    return total < -POINT * POINT * nodes
