@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.linalg.copies import EPSILON, rounding_of, with_copies
 from contin.linalg.eigen import Inverse, Spectrum, leading
-from contin.linalg.followed import followed
+from contin.linalg.followed import improved
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange, inverse_of
 
@@ -96,7 +96,7 @@ def by_approximation(
     found = leading(applied, n, start, radius, known, fewest)
     if not found.values.size:
         return None
-    better = followed(linear, applied.columns, rate, found.vectors, rightmost=False)
+    better = improved(linear, applied.columns, rate, found.vectors)
     if float(np.abs(better.values).min(initial=np.inf)) <= TELLS * _least_shift(linear, n):
         return None
     return Nearest(linear, replace(better, certain=found.certain), 0.0)

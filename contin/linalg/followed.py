@@ -1,8 +1,11 @@
 """Eigenvalues of a large operator from those of operators nearby, by Davidson's method with an approximate inverse.
 
 Eigenvectors of the last two points span where those of this one are to first order in the step. What is left is told
-by a correction, never by how large corrections of other residuals were: a rough residual is made a thousand times
+by corrections, never by how large corrections of other residuals were: a rough residual is made a thousand times
 smaller by the inverse, the smooth one that a step along the curve leaves is not.
+
+Ritz values of a symmetric operator are never above its eigenvalues, one by one. Where it is not symmetric, they may be
+anywhere between, of vectors that are no eigenvectors at all, so that each of them is asked whether it is one.
 """
 
 from __future__ import annotations
@@ -22,57 +25,75 @@ from contin.machine import elementary
 
 STEPS: Final = 6.9  # as many steps of a rate of 1/e reduce errors to a thousandth
 ACCURACY: Final = 1e-2  # of eigenvectors; eigenvalues of symmetric operators have its square
-SIGN: Final = 0.1  # part of a real part to which it is known: more than its sign says
-ZERO: Final = 1e-9  # part of the largest one followed: what moves by less is on the axis
+SIGN: Final = 0.1  # part of a value to which it is known: more than its sign says
+ZERO: Final = 1e-9  # part of the largest one followed: what is smaller is zero
 
 
 def followed(
     linear: Linear, precondition: Callable[[Array], Array], rate: float, vectors: NDArray[np.complex128],
-    before: NDArray[np.complex128] | None = None, rightmost: bool = True,
-) -> Spectrum:  # fmt: skip
-    """Rightmost eigenvalues from those of a nearby operator.
-
-    Or, if not `rightmost`, those whose vectors lie in the given ones' space as much as may be.
+    before: NDArray[np.complex128] | None = None, symmetric: bool = False,
+) -> Spectrum | None:  # fmt: skip
+    """Rightmost eigenvalues from those of a nearby operator; None where they are not found.
 
     vectors : (n, k) eigenvectors there, `before` (n, j) those of another point; `precondition` takes columns.
     rate : what part of an error it leaves, so that an error is up to 1/(1 - rate) times its correction.
 
-    Rightmost ones are corrected by their sum first, with one application of the approximate inverse: where that moves
-    nothing by more than its accuracy, it was right; else one by one, until vectors are right to `ACCURACY` and no real
-    part moves by more than `SIGN` of itself (or all but nothing). About k applications of the operator, and one or
-    1 + k a step of the inverse.
+    Corrections are B r, with the approximate inverse B and the residuals r = A v - l v of Ritz pairs (l, v). Their part
+    along v is about 1 - l/m, m the eigenvalue, and about 1 where l is none. Pairs are accepted that need none of more
+    than `ACCURACY`, and of more than `SIGN` along themselves (but where l is zero). Those of a symmetric
+    operator are asked by the sum of their residuals first: one application of B, in place of k. Cost: k, or 2 k,
+    applications of the operator, and as many of B, or one.
     """
     wanted = vectors.shape[1]
     basis = orthonormal(_real_rows(vectors))
-    given = len(basis)
     if before is not None:
         basis = np.vstack([basis, orthonormal(_real_rows(before), basis)])
     images = np.array([linear.apply(v) for v in basis])
-    values, ritz = _ritz(basis, images, wanted, given, rightmost)
-    longer, together = 1.0 / (1.0 - rate), rightmost
+    longer, together = 1.0 / (1.0 - rate), symmetric
     for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1 + together):
-        parts = _residuals(values, ritz, basis, images)
+        values, ritz = _rightmost(basis, images, wanted)
+        found = [_combined(y, basis) for y in ritz]
+        parts, of = _residuals(values, ritz, found, images)
         asked = np.sum(parts, axis=0)[None, :] if together else np.array(parts)
-        steps = [outside(step, basis) for step in precondition(np.ascontiguousarray(asked.T)).T]
-        worst = longer * max(norm(s) for s in steps)
-        if len(basis) + len(steps) > basis.shape[1]:
-            break
-        fresh = orthonormal(np.array(steps), basis)
-        if not len(fresh):
-            break
-        basis = np.vstack([basis, fresh])
-        images = np.vstack([images, [linear.apply(v) for v in fresh]])
-        old = values
-        values, ritz = _ritz(basis, images, wanted, given, rightmost)
-        left = 1.0 if together else rate  # of errors of vectors, and so of values where A is not symmetric
-        enough = np.maximum(SIGN * np.abs(values.real), ZERO * float(np.abs(values).max()))
-        told = not rightmost or bool(np.all(longer * left * np.abs(values - old) <= enough))
-        if left * worst < ACCURACY and told:
-            break
+        raw = precondition(np.ascontiguousarray(asked.T)).T
+        wrong = _wrong(values, found, raw, None if together else of)
+        steps = [outside(step, basis) for step in raw]
+        if longer * wrong <= SIGN and longer * max(norm(s) for s in steps) < ACCURACY:
+            if symmetric:  # what the corrections say is still to be had: it makes all values better
+                basis, images = _wider(linear, basis, images, steps)
+                values, ritz = _rightmost(basis, images, wanted)
+            return _nearest_first(values, ritz, basis)
+        basis, images = _wider(linear, basis, images, steps)
         together = False
+    return None
+
+
+def improved(
+    linear: Linear, precondition: Callable[[Array], Array], rate: float, vectors: NDArray[np.complex128]
+) -> Spectrum:
+    """Eigenvalues whose vectors lie in a space near the given ones', corrected until these are right to `ACCURACY`."""
+    wanted = vectors.shape[1]
+    basis = orthonormal(_real_rows(vectors))
+    given = len(basis)
+    images = np.array([linear.apply(v) for v in basis])
+    values, ritz = _within(basis, images, given, wanted)
+    for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1):
+        parts, _ = _residuals(values, ritz, [_combined(y, basis) for y in ritz], images)
+        steps = [outside(step, basis) for step in precondition(np.column_stack(parts)).T]
+        size = len(basis)
+        basis, images = _wider(linear, basis, images, steps)
+        if len(basis) == size:
+            break
+        values, ritz = _within(basis, images, given, wanted)
+        if rate / (1.0 - rate) * max(norm(s) for s in steps) < ACCURACY:
+            break
+    return _nearest_first(values, ritz, basis)
+
+
+def _nearest_first(values: Vector, ritz: Vector, basis: Array) -> Spectrum:
     near = np.argsort(np.abs(values))
-    right = np.array([_combined(ritz[k], basis) for k in near])
-    return Spectrum(values[near].astype(complex), right.T.astype(complex), False)
+    vectors = np.array([_combined(ritz[k], basis) for k in near])
+    return Spectrum(values[near].astype(complex), vectors.T.astype(complex), False)
 
 
 def _real_rows(vectors: NDArray[np.complex128]) -> Array:
@@ -81,21 +102,49 @@ def _real_rows(vectors: NDArray[np.complex128]) -> Array:
     return np.ascontiguousarray(vectors.real.T if real else np.vstack([vectors.real.T, vectors.imag.T]))
 
 
-def _ritz(basis: Array, images: Array, wanted: int, given: int, rightmost: bool) -> tuple[Vector, Vector]:
+def _rightmost(basis: Array, images: Array, wanted: int) -> tuple[Vector, Vector]:
     """Ritz values (wanted,) and their weights (wanted, len(basis))."""
     values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
-    part = -values.real if rightmost else -np.linalg.norm(ritz[:given], axis=0)
-    order = np.argsort(part, kind="stable")[:wanted]
+    order = np.argsort(-values.real, kind="stable")[:wanted]
     return values[order], ritz[:, order].T
 
 
-def _residuals(values: Vector, ritz: Vector, basis: Array, images: Array) -> list[Array]:
-    """A v - l v, the real and the imaginary part of one of each pair."""
+def _within(basis: Array, images: Array, given: int, wanted: int) -> tuple[Vector, Vector]:
+    """The same of those that lie most in the space of the first `given` rows."""
+    values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
+    order = np.argsort(-np.linalg.norm(ritz[:given], axis=0), kind="stable")[:wanted]
+    return values[order], ritz[:, order].T
+
+
+def _wider(linear: Linear, basis: Array, images: Array, steps: list[Array]) -> tuple[Array, Array]:
+    """The space with some more directions; as it is where there are none, or all vectors are in it."""
+    fresh = orthonormal(np.array(steps), basis) if len(basis) + len(steps) <= basis.shape[1] else basis[:0]
+    if not len(fresh):
+        return basis, images
+    return np.vstack([basis, fresh]), np.vstack([images, [linear.apply(v) for v in fresh]])
+
+
+def _residuals(values: Vector, ritz: Vector, found: list[Vector], images: Array) -> tuple[list[Array], list[int]]:
+    """A v - l v, the real and the imaginary part of one of each pair; and of which vectors they are."""
     parts: list[Array] = []
-    for k in np.flatnonzero(values.imag >= 0.0):
-        residual = _combined(ritz[k], images) - values[k] * _combined(ritz[k], basis)
-        parts += [residual.real, residual.imag] if values[k].imag > 0.0 else [residual.real]
-    return parts
+    of: list[int] = []
+    for k in np.flatnonzero(values.imag >= 0.0).tolist():
+        residual = _combined(ritz[k], images) - values[k] * found[k]
+        more = [residual.real, residual.imag] if values[k].imag > 0.0 else [residual.real]
+        parts += more
+        of += [k] * len(more)
+    return parts, of
+
+
+def _wrong(values: Vector, found: list[Vector], corrections: Array, of: list[int] | None) -> float:
+    """The largest part of a correction along its own vector, or (None) along any; vectors to zero are not asked."""
+    zero = ZERO * float(np.abs(values).max(initial=0.0))
+    worst = 0.0
+    for j, correction in enumerate(corrections):
+        for k in range(len(found)) if of is None else (of[j],):
+            if abs(values[k]) > zero:
+                worst = max(worst, abs(complex(np.einsum("i,i->", found[k].conj(), correction))))
+    return worst
 
 
 def _combined(weights: Vector, rows: Array) -> Vector:

@@ -36,6 +36,8 @@ FOLLOWED = 3  # stable eigenvalues that are followed from point to point where f
 MOST_TELLING = 10  # eigenvalues of each kind that are kept of many, ...
 TELLING = 1.5  # ... beside those up to so many times the largest unstable one
 WHOLE = 500  # states up to which all eigenvalues are computed where too many are near the axis for Krylov spaces
+NO_NEARER = 0.7  # part of a radius that Krylov spaces have not reached from which they are not tried again
+SYMMETRIC = 1e-9  # part of a matrix up to which it may be skew
 UNBOUNDED = 20  # eigenvalues that are computed where nothing is known of where unstable ones are
 TURNING = 0.9  # as WATCHED, of pairs where nothing but what was seen tells how far to look
 OLD = 0.09  # part of an error that factors of an earlier point leave
@@ -147,16 +149,18 @@ class LargeEquations(InOneParameterProblem):
         radius, first, symmetric = 0.0, work.vectors is None, False
         old = None if at_zero else self._old_inverse(linear)
         if old is not None and work.vectors is not None:
-            found = followed(linear, *old, work.vectors, work.before)
-            work.vectors, work.before = found.vectors, work.vectors
-            if int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
+            found = followed(linear, *old, work.vectors, work.before, self._is_symmetric(linear))
+            if found is not None and int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
+                work.vectors, work.before = found.vectors, work.vectors
                 return self._with_far_ones(linear, found)
         if linear.matrix is not None:
             right, up = self._region(linear)
-            symmetric = up <= 1e-9 * right  # later ones come through zero, and grow out of those of the first point
+            symmetric = up <= SYMMETRIC * right  # later ones come through zero, and grow out of those of the first
             radius = float(elementary.hypot(right, up)) if right > 0.0 and (first or not symmetric) else 0.0
         if linear.mass is not None and work.vectors is not None and _is_another_points(linear):
             radius = 0.0  # unstable ones grow out of those that were near the axis at an earlier point
+        if n <= WHOLE and linear.matrix is not None and radius >= work.too_far:
+            return self._whole(linear)
         if linear.mass is None:
             unbounded = linear.matrix is None and (first or at_zero)
         else:
@@ -165,8 +169,9 @@ class LargeEquations(InOneParameterProblem):
         found = nearest.found
         if linear.matrix is not None and not found.certain:
             if n <= WHOLE:
-                mass = None if linear.mass is None else linear.mass.toarray()
-                return self._kept(every(linear.matrix.toarray(), mass))
+                if radius > 0.0:
+                    work.too_far = min(work.too_far, NO_NEARER * radius)
+                return self._whole(linear)
             seen = float(np.abs(found.values).max(initial=0.0))
             if seen < radius and not (symmetric and _are_all_positive(linear, found)):
                 work.unseen = min(work.unseen or (seen, radius), (seen, radius))
@@ -179,6 +184,10 @@ class LargeEquations(InOneParameterProblem):
             nearest = replace(nearest, found=_telling(found, reach))
         near = self._kept(nearest.with_copies(n, reach).spectrum(), TURNING if linear.matrix is None else WATCHED)
         return self._with_far_ones(linear, near)
+
+    def _whole(self, linear: Linear) -> Spectrum:
+        mass = None if linear.mass is None else linear.mass.toarray()
+        return self._kept(every(linear.matrix.toarray(), mass))
 
     def _nearest(self, linear: Linear, start: Array, radius: float, fewest: int, exactly: bool) -> Nearest:
         """See `beside_zero`; `by_approximation` where solves are iterative, and approximate inverses good."""
@@ -228,6 +237,12 @@ class LargeEquations(InOneParameterProblem):
         if work.vectors is None and not np.isfinite(right):  # later ones grow out of those of the first point
             right, up = work.region.of_any(linear.matrix)
         return right, up
+
+    def _is_symmetric(self, linear: Linear) -> bool:
+        if linear.matrix is None or linear.mass is not None:
+            return False
+        right, up = self._region(linear)
+        return up <= SYMMETRIC * right
 
     def _bounded(self, linear: Linear) -> bool:
         """Whether a part of the plane is known in which all unstable eigenvalues of the pencil are."""

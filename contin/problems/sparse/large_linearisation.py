@@ -51,6 +51,7 @@ class Workspace:
     by_entries: tuple[Linear, Linear] | None = None  # an operator known by products, and the same by its matrix
     judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
     unseen: tuple[float, float] | None = None  # modulus up to which eigenvalues were computed at least, and to be
+    too_far: float = np.inf  # radius that Krylov spaces do not reach
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
 
 

