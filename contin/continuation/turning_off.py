@@ -66,6 +66,7 @@ def verdict_on(
         else:
             high, above = length, found
     apart = norm(np.asarray(above.y - below.y))
-    if apart <= ONE_POINT or low <= shortest:
-        return Verdict(None, crossed=max(below.log, above.log) < max(origin.log, end.log))
+    near, far = max(below.log, above.log), max(origin.log, end.log)
+    if apart <= ONE_POINT or low <= shortest or near > far:  # a pole is larger, also where no correction comes near it
+        return Verdict(None, crossed=near < far)
     return Verdict(max(low - BEFORE * apart, 0.5 * low, shortest), apart)

@@ -74,10 +74,10 @@ def beside_zero(linear: Linear, start: Array, radius: float, known: float, fewes
     n = len(start)
     inverse = inverse_of(linear)
     found = leading(inverse, n, start, radius, known, fewest)
-    if not found.values.size or not _has_factors(linear):
+    if not _has_factors(linear):
         return Nearest(inverse, found, 0.0)
     shift = _least_shift(inverse, n)
-    if float(np.abs(found.values).min()) > TELLS * shift:
+    if found.values.size and float(np.abs(found.values).min()) > TELLS * shift:  # none: no solution where A is singular
         return Nearest(inverse, found, 0.0)
     inverse = inverse_of(linear.shifted(shift))
     found = leading(inverse, n, start, radius + shift, known + shift, fewest)
