@@ -67,6 +67,7 @@ def verdict_on(
             high, above = length, found
     apart = norm(np.asarray(above.y - below.y))
     near, far = max(below.log, above.log), max(origin.log, end.log)
-    if apart <= ONE_POINT or low <= shortest or near > far:  # a pole is larger, also where no correction comes near it
+    grows = near > far and below.log >= origin.log and above.log >= end.log
+    if apart <= ONE_POINT or low <= shortest or grows:  # to a pole, also where no correction comes near it
         return Verdict(None, crossed=near < far)
     return Verdict(max(low - BEFORE * apart, 0.5 * low, shortest), apart)
