@@ -8,7 +8,7 @@ apart (x*y > 0 has the surfaces x = 0 and y = 0), so that crossing two surfaces 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -52,7 +52,9 @@ class Pieces:
     p_size: int
     first_mode: int
     functions: tuple[Expression, ...]
-    code: MachineCode
+    value_address: Address
+    jacobian_address: Address
+    code: tuple[MachineCode, ...]
     layout: Layout
     holding_code: MachineCode | None = None  # of surfaces some of which are held
 
@@ -74,16 +76,8 @@ class Pieces:
         return len(self.functions)
 
     @property
-    def value_address(self) -> Address:
-        return self.code.addresses["value"]
-
-    @property
-    def jacobian_address(self) -> Address:
-        return self.code.addresses["jacobian"]
-
-    @property
     def surfaces_address(self) -> Address:
-        return (self.holding_code or self.code).addresses.get("surfaces", NO_FUNCTION)
+        return (self.holding_code or self.code[-1]).addresses.get("surfaces", NO_FUNCTION)
 
     def holding(self, signs: Mapping[int, int]) -> Pieces:
         """The same flow with the formulas of one side (+-1) of these surfaces, wherever the state is: smooth there."""
@@ -95,18 +89,30 @@ class Pieces:
         return f"{to_text(self.functions[index])} = 0"
 
 
-def compile_pieces(equations: Sequence[Expression], layout: Layout, time: str | None) -> Pieces:
-    """Machine code of `equations` with modes; `time` is the name of the last of `layout.others` in a forced model."""
+def compile_pieces(
+    equations: Sequence[Expression], layout: Layout, time: str | None, smooth: Callable[[str], MachineCode]
+) -> Pieces:
+    """Machine code of `equations` with modes; `time` is the name of the last of `layout.others` in a forced model.
+
+    smooth : gives the code of their "value" and "jacobian", which serves where there are no surfaces.
+    """
     frozen, functions = freeze(equations, layout.names, parameters=set(layout.others) - {time})
     parameters = layout.others[:-1] if time is not None else layout.others
+    if not functions:
+        value, jacobian = smooth("value"), smooth("jacobian")
+        addresses = value.addresses["value"], jacobian.addresses["jacobian"]
+        sizes = len(layout.states), len(layout.others), len(parameters)
+        return Pieces(*sizes, (), *addresses, (value, jacobian), layout)
     modes = tuple(MODE.format(k) for k in range(len(functions)))
     others = parameters + modes + ((time,) if time is not None else ())
     extended = Layout(layout.states, others)
-    routines = [vector_routine("value", frozen, extended), jacobian_routine("jacobian", frozen, extended)]
-    if functions:
-        routines.append(jacobian_routine("surfaces", functions, extended))
-    code = compile_routines(routines)
-    return Pieces(len(layout.states), len(others), len(parameters), tuple(functions), code, extended)
+    code = compile_routines([
+        vector_routine("value", frozen, extended), jacobian_routine("jacobian", frozen, extended),
+        jacobian_routine("surfaces", functions, extended),
+    ])  # fmt: skip
+    addresses = code.addresses["value"], code.addresses["jacobian"]
+    sizes = len(layout.states), len(others), len(parameters)
+    return Pieces(*sizes, tuple(functions), *addresses, (code,), extended)
 
 
 def freeze(

@@ -262,7 +262,8 @@ class CompiledSystem:
         """The flow taken apart at its switching surfaces, for trajectories (smooth equations: no surfaces)."""
         with self._lock:
             if self._pieces is None:
-                self._pieces = compile_pieces(self._equations, self.layout, TIME if self.is_forced else None)
+                time = TIME if self.is_forced else None
+                self._pieces = compile_pieces(self._equations, self.layout, time, self._code_of)
             return self._pieces
 
     def why_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
@@ -306,6 +307,9 @@ class CompiledSystem:
             return call
 
     def _address(self, name: str) -> Address:
+        return self._code_of(name).addresses.get(name, NO_FUNCTION)
+
+    def _code_of(self, name: str) -> MachineCode:
         code = self._code.get(name)
         if code is None:
             with self._lock:
@@ -314,7 +318,7 @@ class CompiledSystem:
                     names = BASIC if self._is_small and name in BASIC else (name,)
                     code = compile_routines([r for n in names if (r := self._routine(n)) is not None])
                     self._code.update(dict.fromkeys(names, code))
-        return code.addresses.get(name, NO_FUNCTION)
+        return code
 
     def _routine(self, name: str) -> Routine | None:
         if name == "value":

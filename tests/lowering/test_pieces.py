@@ -70,3 +70,11 @@ def test_conditions_on_parameters_alone_stay_conditions():
     system = compile_system(flow("x if a > 0 else y"))
     assert system.pieces.count == 1  # a may vary: it is a surface that no trajectory crosses
     assert value_in_modes(system, [3.0, 4.0], [1.0], [1.0]) == 3.0
+
+
+@pytest.mark.parametrize("equation", ["a*x - y^3", "x - a"])
+def test_smooth_equations_are_compiled_once(equation):
+    system = compile_system(flow(equation))
+    pieces = system.pieces
+    assert (pieces.value_address, pieces.jacobian_address) == (system.value_address, system.jacobian_address)
+    assert pieces.count == 0 and pieces.p_size == system.p_size == pieces.first_mode
