@@ -77,4 +77,5 @@ def test_smooth_equations_are_compiled_once(equation):
     system = compile_system(flow(equation))
     pieces = system.pieces
     assert (pieces.value_address, pieces.jacobian_address) == (system.value_address, system.jacobian_address)
-    assert pieces.count == 0 and pieces.p_size == system.p_size == pieces.first_mode
+    assert pieces.count == 0
+    assert pieces.p_size == system.p_size == pieces.first_mode
