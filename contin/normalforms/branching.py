@@ -9,7 +9,7 @@ import numpy as np
 from contin.normalforms.jet import Jet, Real, along_units, lift, size_of_terms, uncertain
 from contin.normalforms.linear import solve
 from contin.normalforms.reduction import Reduction, reduce
-from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.result import NO_ERRORS, TRUST, Errors, NormalForm
 from contin.normalforms.static import (
     ROUNDING,
     StateError,
@@ -46,12 +46,13 @@ def branch_point(
     state_error: StateError = None,
     parameter_error: float = 0.0,
     reduction: Reduction | None = None,
+    further: Errors = NO_ERRORS,
 ) -> NormalForm:
     """BP with a one-dimensional kernel: a01 dp + a02/2 dp^2 + b11 x dp + b20/2 x^2 + b30/6 x^3 = 0 (FORMATS).
 
     Pitchfork where b20 is zero to its estimated error: rounding in <p, B(q, q)> (from the magnitudes of its summands)
     plus what an error `state_error` of the states (a length, or one for each state; by default 1e-10 of their typical
-    sizes) makes through the third derivative.
+    sizes) makes through the third derivative, and what else it is off by, `further`.
     Supercritical where b30 < 0: since <p, q> = 1, the reduced equation is the motion on the centre manifold,
     x' = b11 dp x + b30/6 x^3, so x^2 = -6 b11 dp/b30 lies where b11 dp > 0, the side on which the primary branch has
     the extra unstable eigenvalue, and the new branch has x' = -2 b11 dp x there: it takes over the stability.
@@ -64,7 +65,7 @@ def branch_point(
         state_error = state_lengths(jet, state_error) + parameter_error * np.abs(r.h)
     (b20, b11), (_, a02) = r.T2[0].tolist()
     a01, b30 = float(r.a01[0]), float(r.T3[0, 0, 0, 0])
-    errors = _errors(jet, r, state_error, parameter_error)
+    errors = _errors(jet, r, state_error, parameter_error, further)
     discriminant = b11 * b11 - a02 * b20
     coefficients: dict[str, object] = {"kind": "", "a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
     if abs(b20) <= errors["b20"] and abs(b11) > errors["b11"]:
@@ -87,7 +88,9 @@ def branch_point(
     return NormalForm("BP", coefficients, words, {"q": q, "p": p, "h": r.h}, errors)
 
 
-def _errors(jet: Jet, r: Reduction, state_error: StateError, parameter_error: float) -> dict[str, float]:
+def _errors(
+    jet: Jet, r: Reduction, state_error: StateError, parameter_error: float, further: Errors
+) -> dict[str, float]:  # fmt: skip
     """Estimated errors of the coefficients of the reduced equation."""
     q, p = r.right[:, 0], r.left[:, 0]
     drift = np.append(state_lengths(jet, state_error), parameter_error)
@@ -107,6 +110,7 @@ def _errors(jet: Jet, r: Reduction, state_error: StateError, parameter_error: fl
         + parameter_error * abs(float(p @ jet.form(kernel, kernel, parameter))),
         "b30": _b30_error(jet, r) + _unseen(jet, q, b11, parameter_error),
     }  # fmt: skip
+    errors = {key: error + further.get(key, 0.0) for key, error in errors.items()}
     errors["discriminant"] = (
         (2.0 * abs(b11) + errors["b11"]) * errors["b11"]
         + abs(a02) * errors["b20"]

@@ -10,7 +10,7 @@ from contin.machine import elementary
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Complex, Jet, Real, mass_of
 from contin.normalforms.linear import EigenPair, eigen_pair, eigenvalues, null_pair
-from contin.normalforms.result import DEGENERATE, TRUST, NormalForm, NotThisTypeError, parts, sense
+from contin.normalforms.result import DEGENERATE, NO_ERRORS, TRUST, Errors, NormalForm, NotThisTypeError, parts, sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,19 +69,22 @@ def hopf_manifold(jet: Jet, omega: float | None = None, drift: Real | None = Non
     return CentreManifold(jet, [pair, conjugate(pair)], drift)
 
 
-def hopf(jet: Jet, omega: float | None = None, *, drift: Real | None = None) -> NormalForm:
+def hopf(
+    jet: Jet, omega: float | None = None, *, drift: Real | None = None, further: Errors = NO_ERRORS
+) -> NormalForm:  # fmt: skip
     """HB: w' = i omega w + c1 w |w|^2, c1 = G21/2, l1 = Re c1/omega.
 
     G21 = <p, C(q,q,q*) + B(q*,h20) + 2 B(q,h11)>, h20 = (2 i omega - A)^-1 B(q,q), h11 = -A^-1 B(q,q*).
     Supercritical (l1 < 0): the cycles surround the equilibrium where it has the extra pair of unstable eigenvalues, and
     take over its stability. `degenerate` where l1 is zero to its estimated error, which counts errors `drift` of the
-    states and active parameters where h20 or h11 lies beside a pole (a further eigenvalue near 2 i omega or 0).
+    states and active parameters where h20 or h11 lies beside a pole (a further eigenvalue near 2 i omega or 0), and
+    what else it is off by, `further`.
     Kuznetsov, Elements, 3rd ed., sec. 5.4.1.
     """
     manifold = hopf_manifold(jet, omega, drift)
     omega = float(manifold.values[0].imag)
     c1 = manifold.g((2, 1), 0)
-    error = TRUST * manifold.magnitude((2, 1), 0) / omega
+    error = TRUST * manifold.magnitude((2, 1), 0) / omega + further.get("l1", 0.0)
     l1 = c1.real / omega
     criticality = sense(l1, error)
     coefficients = {"omega": omega, "c1": parts(c1), "l1": l1, "criticality": criticality}

@@ -117,6 +117,7 @@ class DerivativeJet:
     several: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]] | None = None  # the same for several tuples
     mass: Real | None = None
     otherwise: tuple[DerivativeJet, ...] = ()  # with other differences, which tell errors; () of exact derivatives
+    rounded: Callable[[], Sequence[DerivativeJet]] | None = None  # otherwise, where a system knows how; see `rounding`
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
     _tensors: dict[int, Real | None] = field(default_factory=dict, repr=False)
     _asked: dict[int, int] = field(default_factory=dict, repr=False)

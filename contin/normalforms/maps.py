@@ -14,7 +14,7 @@ from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import conjugate
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import eigen_pair, eigenvalues, null_pair
-from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts, sense
+from contin.normalforms.result import NO_ERRORS, TRUST, Errors, NormalForm, NotThisTypeError, parts, sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,16 +40,16 @@ def flip_manifold(jet: Jet, drift: Real | None = None) -> CentreManifold:
     return CentreManifold(jet, [null_pair(jet.A + np.eye(jet.n), -1.0, jet.scale)], drift)
 
 
-def period_doubling(jet: Jet, *, drift: Real | None = None) -> NormalForm:
+def period_doubling(jet: Jet, *, drift: Real | None = None, further: Errors = NO_ERRORS) -> NormalForm:
     """PD: c = <p, C(q,q,q) + 3 B(q, (1 - A)^-1 B(q,q))>/6 of w -> -w + c w^3.
 
     Supercritical (c > 0): the doubled orbit lies where the fixed point has the extra unstable multiplier and takes over
     its stability. The error of c counts errors `drift` of the states and active parameters beside its pole (a further
-    multiplier near 1).
+    multiplier near 1), and what else it is off by, `further`.
     """
     manifold = flip_manifold(jet, drift)
     c = manifold.g((3,), 0).real
-    error = TRUST * manifold.magnitude((3,), 0)
+    error = TRUST * manifold.magnitude((3,), 0) + further.get("c", 0.0)
     criticality = sense(-c, error)
     vectors = {"q": manifold.right[0].real, "p": manifold.left[0].real}
     coefficients = {"c": c, "criticality": criticality}
@@ -80,18 +80,21 @@ def circle_manifold(jet: Jet, theta: float | None = None, drift: Real | None = N
     return CentreManifold(jet, [pair, conjugate(pair)], drift)
 
 
-def neimark_sacker(jet: Jet, theta: float | None = None, *, drift: Real | None = None) -> NormalForm:
+def neimark_sacker(
+    jet: Jet, theta: float | None = None, *, drift: Real | None = None, further: Errors = NO_ERRORS
+) -> NormalForm:  # fmt: skip
     """NS: d of w -> e^{i theta} w (1 + d |w|^2); Re d decides.
 
     d = e^{-i theta} <p, C(q,q,q*) + 2 B(q, (1 - A)^-1 B(q,q*)) + B(q*, (e^{2 i theta} - A)^-1 B(q,q))>/2. Supercritical
     (Re d < 0): the invariant circle lies where the fixed point has the extra pair of unstable multipliers, and takes
     over its stability. `resonance` names a strong resonance (3 or 4) where theta is one; d then decides nothing.
-    The error of d counts errors `drift` of the states and active parameters beside a pole.
+    The error of d counts errors `drift` of the states and active parameters beside a pole, and what else it is off by,
+    `further`.
     """
     manifold = circle_manifold(jet, theta, drift)
     value = manifold.values[0]
     d = manifold.g((2, 1), 0) / value
-    error = TRUST * manifold.magnitude((2, 1), 0)
+    error = TRUST * manifold.magnitude((2, 1), 0) + further.get("d", 0.0)
     criticality = sense(d.real, error)
     coefficients = {"theta": float(elementary.angle(value)), "d": parts(d), "criticality": criticality}
     for order in (3, 4):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -14,6 +16,8 @@ from contin.records import Record
 # Points are located to about 1e-11 relative and derivatives are exact, so eleven digits can cancel and ten can be
 # trusted to have done so.
 TRUST = 1e-10
+Errors: TypeAlias = Mapping[str, float]  # of coefficients by name
+NO_ERRORS: Final[Errors] = MappingProxyType({})
 STATE_ERROR = 1e-10  # default estimate of the error of u0, as a fraction of the typical sizes of the states
 
 

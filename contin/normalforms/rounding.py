@@ -59,7 +59,10 @@ def difference_errors(form: NormalForm, form_at: Callable[[Jet], NormalForm], je
 
 
 def off_by_rounding(jet: Jet) -> Iterator[Jet]:
-    """The jet with other rounding errors."""
+    """The jet with other rounding errors: those that its system makes of its own, where it amplifies them."""
+    if isinstance(jet, DerivativeJet) and jet.rounded is not None:
+        yield from jet.rounded()
+        return
     for number, pattern in enumerate(_patterns(jet.n)):
         yield RoundedJet(jet, pattern, number)
 

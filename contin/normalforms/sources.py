@@ -30,6 +30,14 @@ class Differenced(Protocol):
         """The same with other ones; () where they are exact to rounding."""
 
 
+@runtime_checkable
+class Amplifying(Protocol):
+    """A system that amplifies rounding errors inside, as iterates of a map."""
+
+    def otherwise_rounded(self, sizes: Real | None) -> Sequence[Compiled]:
+        """The same with other rounding errors; sizes (n,) of the states, where they are known."""
+
+
 def compiled_jet(
     system: Compiled, u: Real, p: Real, active: Sequence[int] = (), kind: Kind = "flow", scale: Real | None = None
 ) -> DerivativeJet:
@@ -58,9 +66,15 @@ def jet_of(
 
     others = system.with_other_differences() if isinstance(system, Differenced) else ()
     otherwise = tuple(jet_of(matrix, other, u, p, active, kind, scale) for other in others)
+
+    def rounded() -> Sequence[DerivativeJet]:
+        assert isinstance(system, Amplifying)
+        return [compiled_jet(other, u, p, active, kind, scale) for other in system.otherwise_rounded(scale)]
+
     return DerivativeJet(
-        matrix, derivative, len(active), kind, scale, at_once(system, u, p, active), otherwise=otherwise
-    )
+        matrix, derivative, len(active), kind, scale, at_once(system, u, p, active), otherwise=otherwise,
+        rounded=rounded if isinstance(system, Amplifying) else None,
+    )  # fmt: skip
 
 
 def at_once(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,9 @@ from numpy.typing import ArrayLike
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError
 from contin.kernels.iterates import iterate_along
+from contin.systems.chain_rule import after, form_of_iterate, path_of_iterates, slope_of_iterate
 from contin.systems.protocol import form_by_form, one_by_one
+from contin.systems.rounded import RoundedIterates, otherwise_rounded
 
 if TYPE_CHECKING:
     from contin.systems.protocol import Described, Limit, System
@@ -143,12 +144,7 @@ class IteratedSystem:
         if self.base.jacobian_address != NO_FUNCTION:
             points, slope = self._compiled(u, p)
             return points[-1], slope
-        x = np.array(u, dtype=float)
-        slope = np.eye(self.n, self.n + self.m)
-        for _ in range(self.times):
-            x, matrix = self.base.jacobian(x, p)
-            slope = _after(matrix, slope)
-        return x, slope
+        return slope_of_iterate(self.base, self.times, u, p)
 
     def _compiled(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """u and its iterates, (times + 1, n), and the last one's derivatives, (n, n + m)."""
@@ -169,29 +165,12 @@ class IteratedSystem:
         return form_by_form(self.derivative, u, p, directions)
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
-        """D^k of the iterate along k directions (n + m,), real or complex.
+        """D^k of the iterate along k directions (n + m,), real or complex."""
+        return form_of_iterate(self.base, path_of_iterates(self.base, self.times, u, p), p, directions)
 
-        With g_j the j-th iterate on (u, p), D^k g_j[V] = sum over partitions of V of D^r f [D g_{j-1}[block], ...]
-        (Faa di Bruno), carried for all subsets of the directions at once.
-        """
-        given = [np.asarray(d) for d in directions]
-        subsets = _subsets(len(given))
-        known: dict[tuple[int, ...], Vector] = {
-            s: given[s[0]] if len(s) == 1 else np.zeros(self.n + self.m) for s in subsets
-        }
-        x = np.array(u, dtype=float)
-        for _ in range(self.times):
-            value, matrix = self.base.jacobian(x, p)
-            fresh: dict[tuple[int, ...], Vector] = {}
-            for s in subsets:
-                total: Vector = matrix @ known[s]
-                for blocks in _partitions(s):
-                    if len(blocks) > 1:
-                        total = total + self.base.derivative(x, p, *(known[b] for b in blocks))
-                parameters = known[s][self.n :]  # they pass through every step
-                fresh[s] = np.concatenate([total, parameters])
-            known, x = fresh, value
-        return known[tuple(range(len(given)))][: self.n]
+    def otherwise_rounded(self, sizes: Array | None) -> Sequence[RoundedIterates]:
+        """The same with other rounding errors along the cycle, which large multipliers amplify."""
+        return otherwise_rounded(self.base, self.times, sizes)
 
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2 f^times [v, .], (n, n + m)."""
@@ -203,8 +182,8 @@ class IteratedSystem:
             value, matrix = self.base.jacobian(x, p)
             bent = self.base.gradient(x, p, along)
             with np.errstate(over="ignore", invalid="ignore"):  # whoever asks sees that it is not finite
-                second = _after(bent, slope) + matrix[:, : self.n] @ second
-                slope = _after(matrix, slope)
+                second = after(bent, slope) + matrix[:, : self.n] @ second
+                slope = after(matrix, slope)
                 along = np.concatenate([matrix @ along, along[self.n :]])
             x = value
         return second
@@ -236,32 +215,3 @@ def halves_change_places(system: IteratedSystem, u: Array, p: Sequence[Array]) -
     cosines = np.sum(apart[1:] * apart[:-1], axis=1)
     turned = np.flatnonzero(cosines < -OPPOSITE * lengths[1:] * lengths[:-1])
     return int(turned[0]) + 1 if len(turned) else None
-
-
-def _after(matrix: Vector, slope: Array) -> Vector:
-    """[f_u f_p] applied to (A, parameters as they are): f_u A + [0 f_p]."""
-    n = len(matrix)
-    with np.errstate(over="ignore", invalid="ignore"):  # a point that escapes has no derivatives, and says so
-        result: Vector = matrix[:, :n] @ slope
-        result[:, n:] += matrix[:, n:]
-    return result
-
-
-@cache
-def _subsets(count: int) -> list[tuple[int, ...]]:
-    """Non-empty subsets of 0 .. count - 1, the whole set included."""
-    return [tuple(i for i in range(count) if mask >> i & 1) for mask in range(1, 1 << count)]
-
-
-@cache
-def _partitions(items: tuple[int, ...]) -> list[list[tuple[int, ...]]]:
-    """All partitions into blocks, each block in ascending order."""
-    if not items:
-        return [[]]
-    first, rest = items[0], items[1:]
-    found = []
-    for mask in range(1 << len(rest)):
-        block = (first, *(r for i, r in enumerate(rest) if mask >> i & 1))
-        others = tuple(r for i, r in enumerate(rest) if not mask >> i & 1)
-        found += [[block, *tail] for tail in _partitions(others)]
-    return found

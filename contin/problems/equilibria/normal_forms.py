@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
@@ -18,8 +18,8 @@ from contin.normalforms.later import Later, stated
 from contin.normalforms.linear import solve
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.poles import ROUNDED
-from contin.normalforms.result import STATE_ERROR, NormalForm
-from contin.normalforms.rounding import difference_errors
+from contin.normalforms.result import NO_ERRORS, STATE_ERROR, Errors, NormalForm
+from contin.normalforms.rounding import difference_errors, rounding_errors
 from contin.normalforms.sources import jet_of
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.problems.coinciding import SEVERAL_PAIRS
@@ -79,22 +79,32 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
     lengths = location * scale / units
     drift = _drift(jet, point, units, scale)
 
-    def form_at(jet: Jet) -> NormalForm:
+    def form_at(jet: Jet, further: Errors = NO_ERRORS) -> NormalForm:
         if point.type == "LP":
-            return fold(jet, state_error=lengths)
+            return fold(jet, state_error=lengths, further=further)
         if point.type == "BP":
-            return branch_point(jet, state_error=lengths, parameter_error=point.error)
+            return branch_point(jet, state_error=lengths, parameter_error=point.error, further=further)
         if point.type == "HB":
-            return hopf(jet, float(point.vectors["omega"]), drift=drift)
+            return hopf(jet, float(point.vectors["omega"]), drift=drift, further=further)
         if point.type == "PD":
-            return period_doubling(jet, drift=drift)
-        return neimark_sacker(jet, float(point.vectors["omega"]), drift=drift)
+            return period_doubling(jet, drift=drift, further=further)
+        return neimark_sacker(jet, float(point.vectors["omega"]), drift=drift, further=further)
 
     form = form_at(jet)
+    if jet.rounded is not None:
+        return form_at(jet, rounding_errors(form, form_at, jet))
     if not jet.otherwise:
         return form
     moved = difference_errors(form, form_at, jet)
-    return replace(form, errors={key: error + moved.get(key, 0.0) for key, error in form.errors.items()})
+    grown = {key: error + moved.get(key, 0.0) for key, error in form.errors.items()}
+    if any(_size(form.coefficients[key]) <= error for key, error in grown.items()):  # what decides may not be known
+        return form_at(jet, moved)
+    return replace(form, errors=grown)
+
+
+def _size(coefficient: object) -> float:
+    """Of what decides: a real coefficient, or a complex one's real part, as [re, im]."""
+    return abs(coefficient) if isinstance(coefficient, float) else abs(cast(list[float], coefficient)[0])
 
 
 def _drift(jet: Jet, point: Verified, units: Array, scale: Array) -> Array:
