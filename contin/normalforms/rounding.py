@@ -1,8 +1,8 @@
 """How well coefficients are known where derivatives have rounding errors, which eigenvectors and solutions amplify.
 
-An entry of a derivative is a sum of terms, each rounded. The form is computed again with entries that are off by as
-much, in fixed patterns of signs. Sums of moduli (`TRUST`) do not see that: terms that cancel with the exact
-eigenvectors do not with slightly other ones.
+An entry of a derivative is a sum of terms, each rounded, at states that are rounded. The form is computed again with
+entries that are off by as much, in fixed patterns of signs. Sums of moduli (`TRUST`) do not see that: terms that cancel
+with the exact eigenvectors do not with slightly other ones.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import SPREAD, DerivativeJet, Disturbed, Jet, Real, contracted, otherwise
+from contin.normalforms.jet import SPREAD, DerivativeJet, Disturbed, Jet, Real, along_units, contracted, otherwise
 from contin.normalforms.result import NO_FORM, NormalForm
 
 PATTERNS: Final = 3
@@ -84,7 +84,12 @@ class RoundedJet(Disturbed):
 
     @cached_property
     def A(self) -> Real:
-        return np.asarray(self.jet.A * (1.0 + ROUNDING * self.pattern))
+        """That of a point whose states are off by rounding, too: an entry that vanishes with them is that only."""
+        off = np.zeros(self.n + self.parameters)
+        if self.jet.scale is not None:
+            off[: self.n] = ROUNDING * self.jet.scale * self.pattern[0]
+        moved = along_units(self.jet, off)[: self.n].T if off.any() else 0.0
+        return np.asarray(self.jet.A * (1.0 + ROUNDING * self.pattern) + np.where(np.isfinite(moved), moved, 0.0))
 
     def form(self, *directions: Vector) -> Vector:
         order = len(directions)

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Verified
+from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.directions import any_branch_point, turning_branch_point
 from contin.normalforms.fold import fold
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
 
 
+SUSPECT: Final = 1e-8  # singular value over the largest, below which rounding is asked for
 SOLVED: Final = 1e-14  # relative error of states at least: their points are solved to rounding
 
 
@@ -91,8 +93,10 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
         return neimark_sacker(jet, float(point.vectors["omega"]), drift=drift, further=further)
 
     form = form_at(jet)
-    if jet.rounded is not None:
-        return form_at(jet, rounding_errors(form, form_at, jet))
+    if jet.rounded is not None or _is_beside_singular(jet, form):
+        moved = rounding_errors(form, form_at, jet)
+        unknown = {key: _size(form.coefficients[key]) for key in form.errors if key not in moved}
+        return form_at(jet, unknown | moved)
     if not jet.otherwise:
         return form
     moved = difference_errors(form, form_at, jet)
@@ -100,6 +104,27 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
     if any(_size(form.coefficients[key]) <= error for key, error in grown.items()):  # what decides may not be known
         return form_at(jet, moved)
     return replace(form, errors=grown)
+
+
+def _is_beside_singular(jet: Jet, form: NormalForm) -> bool:
+    """Whether a matrix by which the form solves is nearly singular, in the states' sizes: rounding is then amplified.
+
+    Scaled by its own entries (`equilibrate`) a matrix may be regular whose entries are rounding.
+    """
+    size = np.ones(jet.n) if jet.scale is None else jet.scale
+    matrix = jet.A * size / size[:, None]
+    shifts: list[complex] = [1.0 if jet.kind == "map" else 0.0]
+    if form.type in ("HB", "NS"):
+        angle = 1j * float(cast(float, form.coefficients["omega" if form.type == "HB" else "theta"]))
+        shifts.append(complex(elementary.exp(2.0 * angle)) if form.type == "NS" else 2.0 * angle)
+    kernel = 1 if form.type in ("LP", "BP") else 0
+    if jet.n <= kernel or not np.isfinite(matrix).all():
+        return False
+    for shift in shifts:
+        values = np.linalg.svd(matrix - shift * np.eye(jet.n), compute_uv=False)
+        if values[-1 - kernel] < SUSPECT * values[0]:
+            return True
+    return False
 
 
 def _size(coefficient: object) -> float:
