@@ -21,7 +21,7 @@ from contin.bvp.defects import resolving
 from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
-from contin.bvp.sizes import couplings, filled, moved, noticed, without_remnants
+from contin.bvp.sizes import couplings, filled, largest, moved, noticed, without_remnants
 from contin.continuation.branch import End
 from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Outcome, Verified
@@ -71,8 +71,7 @@ class BoundaryProblem(BoundaryEquations):
         A size that no equation would notice is rounding, and says nothing (`contin.bvp.sizes`).
         """
         z = without_remnants(self, z)
-        profile = self.profile(z)
-        size = np.abs(profile.u).max(axis=0)
+        size = largest(self, self.profile(z))
         fixed = np.zeros_like(z)
         fixed[-1] = 1.0
         here = linearise(self, z, fixed, np.ones_like(z))

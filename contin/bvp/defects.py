@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.bvp.sizes import largest
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.mesh.adaption import estimate
 from contin.problems.orbits.mesh.layout import Profile
@@ -120,8 +121,8 @@ def remark(problem: BoundaryEquations, z: Array, natural: Array) -> str:
     """
 
     def error_of(profile: Profile) -> float:
-        largest = np.abs(profile.u).max(axis=0)
-        sizes = np.where(largest > ROUNDED * natural, largest, natural)
+        own = largest(problem, profile)
+        sizes = np.where(own > ROUNDED * natural, own, natural)
         error = float(defects(problem, profile, profile.h, sizes).max())
         return error if error > WORTHLESS * estimate(profile, sizes, closed=False)[0] else 0.0  # as the mesh tells
 

@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.defects import resolving
+from contin.bvp.sizes import largest
 from contin.bvp.special_points import at_parameter_from_afar
 from contin.bvp.two_point import TwoPoint, two_point
 from contin.continuation.seed import Seed
@@ -125,7 +126,7 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
             )
         profile = _without_rounding(problem.profile(found), sizes)
         found = profile.vector()
-        sizes = np.maximum(np.abs(profile.u).max(axis=0), 1e-9 * sizes)
+        sizes = np.maximum(largest(problem, profile), 1e-9 * sizes)
         mesh = choose_mesh(profile, sizes, problem.tolerance, problem.intervals, closed=False)
         h = mesh.h
         if problem.intervals is None:  # (functions that are zero but for rounding have their natural size)

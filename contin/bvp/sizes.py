@@ -73,6 +73,24 @@ def _is_remnant(problem: BoundaryEquations, profile: Profile, z: Array, small: N
     return bool(np.where(small, own & zero, unchanged).all() and kept.all())
 
 
+def largest(problem: BoundaryEquations, profile: Profile) -> Array:
+    """Largest modulus of every function, (n,); of an integral I' = F_i at least int sum_k |dF_i / du_k| |u_k| ds.
+
+    An integral whose terms cancel (a phase condition along the solution it refers to) is known to what its terms are
+    known to; a size of its own rounding would ask the mesh for digits that are not there.
+    """
+    sizes = np.asarray(np.abs(profile.u).max(axis=0))
+    first = problem.two.n_states + len(problem.two.free)
+    if first < problem.n:
+        p = np.tile(problem.full_parameters(profile.vector()), (len(profile.u), 1))
+        p[:, -1] = profile.times
+        matrices = np.asarray(problem.two.system.jacobians(profile.u, p)[1])[:, first : problem.n, : problem.n]
+        terms = np.einsum("tik,tk->ti", np.abs(matrices), np.abs(profile.u))
+        total = np.trapezoid(np.where(np.isfinite(terms), terms, 0.0), profile.times, axis=0)
+        sizes[first:] = np.maximum(sizes[first:], total)
+    return sizes
+
+
 def couplings(problem: BoundaryEquations, z: Array) -> Array:
     """Largest |dF_i / du_k| over the mesh points, (n, n); entries that are not finite count as zero."""
     profile = problem.profile(z)
