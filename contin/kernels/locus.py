@@ -22,7 +22,7 @@ from contin.kernels.eigen import eigenvalues
 from contin.kernels.grading import uniform_rates
 from contin.kernels.lyapunov import lyapunov_terms
 from contin.kernels.null_vectors import leading_block, null_vectors
-from contin.kernels.sides import side_of
+from contin.kernels.sides import is_aligned, side_of
 from contin.kernels.steering import (
     BEFORE,
     BOUND,
@@ -399,6 +399,8 @@ def march(
             return what
         if loop_z.size > 0 and passes_start(z, out_z[k], loop_z, loop_tangent, seen, periods, scale, h_used):
             return LOOP
+        if kind == HOPF and z[size - 3] < 0.0 and is_aligned(z, n, scale):
+            return LIMIT  # the next chunk begins with another v
         for j in range(size):
             if growing[j] > 0.0 and abs(z[j]) > RESCALE_AT * scale[j]:
                 return RESCALE

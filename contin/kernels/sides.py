@@ -5,10 +5,11 @@ import math
 import numpy as np
 
 from contin.kernels.algebraic import diagonal_sign, log_determinant
-from contin.kernels.compile import allocating
+from contin.kernels.compile import allocating, kernel
 from contin.kernels.null_vectors import leading_block, null_vectors
 
 BRANCH = 2
+ALIGNED = 0.3  # sine of the angle of v and w = f_u v below which v is near an eigenvector
 
 
 @allocating("i, i, i, f2, f2, f2, f1, f1, f1, f1 -> (f, f)")
@@ -37,3 +38,16 @@ def side_of(kind, n, sign, matrix, jacobian, block, z, scale, before, right):
     if mixed == 0.0:
         return side, size
     return side if mixed > 0.0 else -side, size - math.log(abs(mixed))
+
+
+@kernel("f1, i, f1 -> b")
+def is_aligned(z, n, scale):
+    """Of neutral saddles on a curve of Hopf points: v is near an eigenvector, where the system is singular."""
+    vv, ww, vw = 0.0, 0.0, 0.0
+    for j in range(n):
+        v = z[n + j] / scale[j]
+        w = z[2 * n + j] / scale[j]
+        vv += v * v
+        ww += w * w
+        vw += v * w
+    return vw * vw > (1.0 - ALIGNED * ALIGNED) * vv * ww

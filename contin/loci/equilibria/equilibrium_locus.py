@@ -22,7 +22,9 @@ from contin.loci.codim2 import degenerate, events, uncomputed_tests
 from contin.loci.curve_of_points import LONGEST, CurveOfPoints, scalar_columns
 from contin.loci.equilibria import timeless
 from contin.loci.equilibria.curves import curve_of
+from contin.loci.equilibria.extended import ExtendedCurve
 from contin.loci.equilibria.march import march, probe
+from contin.loci.equilibria.neutral_plane import across
 from contin.loci.neutral import with_told_crossings
 from contin.loci.tolerances import FORCED_AT_POINTS
 from contin.machine import elementary
@@ -94,6 +96,8 @@ class LocusProblem(CurveOfPoints):
     ) -> Chunk:  # fmt: skip
         limit = min(limit, self._most_rows(settings))
         known = self.curve.gauged(frame.gauge)
+        if isinstance(known, ExtendedCurve):
+            origin = replace(origin, z=across(known, origin.z))
         curve = known.settled(origin.z, frame.scale)
         own, renewed = replace(self, curve=curve), curve.turns_from(known)
         if not curve.compiled:

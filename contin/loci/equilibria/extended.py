@@ -177,7 +177,7 @@ class ExtendedCurve(Gauged):
 
     def _beside(self, z: Array, v: Array) -> Array:
         """The critical plane (n, 2) without its part along v."""
-        plane = critical_plane(self._squared(self.matrix(z) * self.sizes / self.sizes[:, None], self.scalar(z)))
+        plane = critical_plane(self.squared(self.matrix(z) * self.sizes / self.sizes[:, None], self.scalar(z)))
         return np.asarray(plane - np.outer(v, v @ plane))
 
     def _normal(self, z: Array) -> Array:
@@ -230,7 +230,7 @@ class ExtendedCurve(Gauged):
         found = float(np.abs(self.matrix(z) * self.sizes / self.sizes[:, None]).max())
         return found if 0.0 < found < np.inf else 1.0
 
-    def _squared(self, matrix: Array, kappa: float) -> Array:
+    def squared(self, matrix: Array, kappa: float) -> Array:
         if self.type == "HB":
             return matrix @ matrix + kappa * np.eye(self.n)
         return matrix @ matrix - 2.0 * kappa * matrix + np.eye(self.n)
@@ -244,10 +244,10 @@ class ExtendedCurve(Gauged):
         if self.type != "HB":
             return self, z
         scaled = self.matrix(z) * self.sizes / self.sizes[:, None]
-        plane = critical_plane(self._squared(scaled, self.scalar(z)))
+        plane = critical_plane(self.squared(scaled, self.scalar(z)))
         v = plane @ np.linalg.svd(scaled @ plane)[2][0]
         rows = (self.gauge or Gauge()).rows
-        turned = self._with_vector(z, scaled, v)
+        turned = self.with_vector(z, scaled, v)
         return replace(self, gauge=Gauge(self._normal(turned), rows)), turned
 
     def turned_back(self, z: Array, like: Array) -> Array:
@@ -255,11 +255,11 @@ class ExtendedCurve(Gauged):
         if self.type != "HB":
             return z
         scaled = self.matrix(z) * self.sizes / self.sizes[:, None]
-        plane = critical_plane(self._squared(scaled, self.scalar(z)))
+        plane = critical_plane(self.squared(scaled, self.scalar(z)))
         v = plane @ (plane.T @ (self.vector(like) / self.sizes))
-        return self._with_vector(z, scaled, v / np.linalg.norm(v))
+        return self.with_vector(z, scaled, v / np.linalg.norm(v))
 
-    def _with_vector(self, z: Array, scaled: Array, v: Array) -> Array:
+    def with_vector(self, z: Array, scaled: Array, v: Array) -> Array:
         out = z.copy()
         out[self.n : 2 * self.n], out[2 * self.n : 3 * self.n] = v * self.sizes, (scaled @ v) * self.sizes
         return out
@@ -280,7 +280,7 @@ class ExtendedCurve(Gauged):
             shift = 1.0 if system.kind == "map" else 0.0
             w = np.linalg.svd((scaled - shift * np.eye(self.n)).T)[2][-1]
             return np.concatenate([u, _oriented(w) / d, [0.0], ends])
-        v = _oriented(critical_plane(self._squared(scaled, scalar))[:, 0])
+        v = _oriented(critical_plane(self.squared(scaled, scalar))[:, 0])
         return np.concatenate([u, v * d, (scaled @ v) * d, [scalar], ends])
 
     def scales(self, z: Array, widths: tuple[float, float]) -> Array:
