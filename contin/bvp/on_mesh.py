@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.bvp.pattern import assembled
 from contin.kernels.collocation import LANES, evaluate, new_points, residual
 from contin.kernels.collocation_basis import basis
 from contin.linalg.factor import Factoriser
@@ -148,26 +149,7 @@ class OnMesh:
 
     def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""
-        from scipy import sparse
-
-        n, m, count, scheme = self.problem.n, self.problem.points, len(self.h), basis(self.problem.points)
+        n, scheme = self.problem.n, basis(self.problem.points)
         blocks = -np.einsum("i,cj,ickq->ickjq", self.h, scheme.values, fu)
         blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
-        order, indices, indptr = _pattern(n, m, count)
-        values = np.concatenate([blocks.ravel(), dg[:, :n].ravel(), dg[:, n : 2 * n].ravel()])
-        return sparse.csc_matrix((values[order], indices, indptr), shape=(self.n, self.n))
-
-
-@lru_cache(maxsize=16)
-def _pattern(n: int, m: int, count: int) -> tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.int32]]:
-    """Of the matrix on `count` intervals: the order of its values, by column, and CSC's two tables."""
-    size = (count * m + 1) * n
-    i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
-    rows, columns = (i * m * n + r).ravel(), (i * m * n + c).ravel()
-    a, b = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
-    first, last = size - n + a.ravel(), size - n
-    rows = np.concatenate([rows, first, first])
-    columns = np.concatenate([columns, b.ravel(), last + b.ravel()])
-    order = np.lexsort((rows, columns))
-    indptr = np.concatenate([[0], np.cumsum(np.bincount(columns, minlength=size))])
-    return order, rows[order].astype(np.int32), indptr.astype(np.int32)
+        return assembled(blocks, dg[:, : 2 * n], np.empty((self.n, 0)), np.empty((0, self.n)))

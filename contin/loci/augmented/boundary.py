@@ -6,8 +6,8 @@ z = (u at the nodes, 1, mesh, [unfolding of branch points], parameters, the last
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from contin.bvp.functionals import columns_of
 from contin.continuation.outcome import Outcome, Verified
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame, Sample
-from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented import boundary_degeneracies as degeneracies
+from contin.loci.augmented.block_bordered import BlockBordered
 from contin.loci.augmented.boundary_remarks import is_unfolded, remarks_on
 from contin.loci.augmented.degenerate_solutions import critical_at, described, scalar
-from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.elimination import Bordered, Scalars
 from contin.loci.augmented.fold_ends_of_boundary import at_fold
 from contin.loci.augmented.singular import singular
 from contin.loci.augmented.singular_solutions import SingularSolutions
@@ -40,33 +40,25 @@ ROUNDED = 1e-8  # of the branch's metric: a function that is smaller at a specia
 class BoundaryBase(SingularSolutions):
     """Columns, tests and special points of these curves."""
 
-    def linearise(self, z: Array, scale: Array, rows: Array) -> SparseBordered | None:
+    def linearise(self, z: Array, scale: Array, rows: Array) -> Bordered | None:
         where = self.where(z)
         on_mesh = self.on_mesh(self.profile(z).h, np.delete(scale[where], self.unfolding(z)))
         y = np.delete(z[where] / scale[where], self.unfolding(z))
         here = on_mesh.at(y)
         if here is None:
             return None
-        f, matrix = here
-        columns: Any = matrix
-        equations, form = f, None
-        if self.type:
-            borders = self.borders_at(z, scale)
-            found = singular(on_mesh, y, matrix, borders)
-            if found is None:
-                return None
-            gradient, form = found.gradient, found.form
-            if self.extra:
-                nodes = matrix.shape[0]
-                beta = float(z[-self.behind])
-                f = f + beta * borders.left
-                columns = with_columns(matrix, borders.left[:, None], nodes)
-                gradient = np.insert(gradient, nodes, 0.0, axis=1)
-            equations = np.append(f, found.values)
-            columns = with_rows(columns, gradient)
-        whole = with_rows(columns, rows[:, where])
-        still = z.size - len(where)
-        return SparseBordered(np.append(equations, np.zeros(still)), whole, where, z.size, form)
+        f, still = here.residual, np.zeros(z.size - len(where))
+        if not self.type:
+            return SparseBordered(np.append(f, still), here.with_borders(here.columns, rows[:, where]), where, z.size)
+        borders = self.borders_at(z, scale)
+        found = singular(on_mesh, y, here.critical(self.extra == 1), borders)
+        if found is None:
+            return None
+        if self.extra:
+            f = f + float(z[-self.behind]) * borders.left
+            found = replace(found, gradient=np.insert(found.gradient, here.size, 0.0, axis=1))
+        equations = np.concatenate([f, found.values, still])
+        return BlockBordered(equations, found, here.columns, rows[:, where], where, z.size)
 
     def null_functions(self, z: Array) -> Array | None:
         """Along a trivial solution they are all that needs a mesh."""
@@ -77,7 +69,8 @@ class BoundaryBase(SingularSolutions):
         here = on_mesh.at(z[where])
         found = None
         if here is not None:
-            found = singular(on_mesh, z[where], here[1], self.borders_at(z, np.ones(z.size)), slopes=False)
+            own = here.critical(self.extra == 1)
+            found = singular(on_mesh, z[where], own, self.borders_at(z, np.ones(z.size)), slopes=False)
         if found is None:
             return None
         functions = np.hstack([v[: profile.u.size].reshape(profile.u.shape) for v in found.right.T])

@@ -14,19 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from contin.abi import Array
+from contin.bvp.collocated import Collocated
 from contin.bvp.on_mesh import OnMesh
 from contin.linalg.vectors import norm
-from contin.loci.augmented.singular import Borders, stacked
+from contin.loci.augmented.singular import Borders
 from contin.loci.augmented.sparse import Factors
 from contin.machine import elementary
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_matrix
 
 FIRST: Final = 2  # place of the first test among those of a sample
 PITCHFORK: Final = "pitchfork"
@@ -36,11 +34,11 @@ GENERIC: Final = ("DBP", "DBP:b20")  # the same on branch points in three parame
 
 @dataclass(frozen=True, eq=False)
 class Critical:
-    """A singular solution x = (u, s) on a mesh: F_x, its left null vector w and the right ones of M (`singular`)."""
+    """A singular solution x = (u, s) on a mesh: F', its left null vector w and the right ones of M (`singular`)."""
 
     mesh: OnMesh
     x: Array
-    matrix: csc_matrix
+    linear: Collocated
     left: Array
     right: Array
 
@@ -58,8 +56,8 @@ class Critical:
     def response(self, r: Array) -> Array:
         """h with F_x h = -r but for a part along w, <v, h> = 0, as a direction in x."""
         v, w = self.null[:-1], self.left
-        factors = Factors(stacked(self.matrix, (w / norm(w))[:, None], (v / norm(v))[:, None]))
-        if factors.sign == 0.0:  # a kernel of two dimensions: no value
+        factors = Factors(self.linear.critical(False).bordered((w / norm(w))[:, None], (v / norm(v))[:, None]))
+        if factors.is_singular:  # a kernel of two dimensions: no value
             return np.full(len(v) + 1, np.nan)
         return np.append(factors.solve(np.append(-r, 0.0))[:-1], 0.0)
 
@@ -114,7 +112,7 @@ def unit_of(name: str, at: Critical, sizes: Array, width: float) -> float:
     """
     v = np.abs(at.null[:-1])
     part = float((v / sizes).max())  # v / part is as large as a solution
-    terms = float(np.abs(at.left) @ (abs(at.matrix) @ v))
+    terms = float(np.abs(at.left) @ (abs(at.linear.slope) @ v))
     measure = VALUES[name]
     if measure is _hessian:
         unit = elementary.square(terms / width)

@@ -44,7 +44,7 @@ def is_unfolded(base: SingularSolutions, z: Array) -> bool:
     )
     if here is None:
         return False
-    terms = abs(here[1][:, :nodes]) @ base.node_sizes(z)
+    terms = abs(here.slope) @ base.node_sizes(z)
     pushed = np.abs(z[-base.behind] * base.borders_at(z, np.ones(z.size)).left)
     return bool(pushed.max() > FORCED_AT_POINTS * terms.max())
 

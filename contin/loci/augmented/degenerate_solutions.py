@@ -15,7 +15,7 @@ from contin.continuation.outcome import Outcome, Rejected, Verified
 from contin.loci.augmented import boundary_degeneracies as degeneracies
 from contin.loci.augmented.boundary_degeneracies import Critical
 from contin.loci.augmented.elimination import Scalars
-from contin.loci.augmented.singular import critical, singular
+from contin.loci.augmented.singular import singular
 
 if TYPE_CHECKING:
     from contin.loci.augmented.singular_solutions import SingularSolutions
@@ -30,11 +30,10 @@ def critical_at(base: SingularSolutions, z: Array) -> Critical | None:
     here = on_mesh.at(z[where])
     if here is None:
         return None
-    found = singular(on_mesh, z[where], here[1], base.borders_at(z, unit), slopes=False)
+    found = singular(on_mesh, z[where], here.critical(base.extra == 1), base.borders_at(z, unit), slopes=False)
     if found is None:
         return None
-    matrix = critical(here[1], here[1].shape[0], False)
-    return Critical(mesh, mesh.unknowns(base.inner(z)), matrix, found.left, found.right)
+    return Critical(mesh, mesh.unknowns(base.inner(z)), here, found.left, found.right)
 
 
 def scalar(base: SingularSolutions, name: str, z0: Array) -> Scalars:

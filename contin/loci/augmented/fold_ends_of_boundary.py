@@ -13,7 +13,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.loci.augmented import boundary_degeneracies as degeneracies
 from contin.loci.augmented.boundary_remarks import is_unfolded
 from contin.loci.augmented.degenerate_solutions import kind_at
-from contin.loci.augmented.singular import critical, null_vectors
+from contin.loci.augmented.singular import null_vectors
 from contin.loci.codim2.fold_ends import ASIDE, BESIDE, NEARLY
 
 if TYPE_CHECKING:
@@ -61,7 +61,6 @@ def _slope(curve: AdaptiveCurve, z: Array, scale: Array) -> float:
     here = base.on_mesh(base.profile(z).h, scale[where]).at(z[where] / scale[where])
     if here is None:
         return np.inf
-    matrix, n = here[1], here[1].shape[0]
-    w = null_vectors(critical(matrix, n, False), 1).left
-    slopes = matrix[:, n:].toarray()
-    return float(np.abs(w @ slopes).max() / (np.abs(w).max() * abs(matrix).max()))
+    w, slopes = null_vectors(here.critical(False), 1).left, here.columns
+    largest = max(float(abs(here.slope).max()), float(np.abs(slopes).max()))
+    return float(np.abs(w @ slopes).max() / (np.abs(w).max() * largest))

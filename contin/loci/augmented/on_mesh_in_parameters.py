@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
-from contin.bvp.on_mesh import OnMesh
-from contin.linalg.csc import scaled_columns, with_columns
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_matrix
+from contin.bvp.collocated import Collocated
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.mesh.layout import Profile
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,17 +30,24 @@ class OnMeshInParameters:
     def _nodes(self) -> int:
         return len(self.scale) - len(self.places)
 
-    def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
-        values = y * self.scale
-        parameters = values[self._nodes :]
-        p = self.problem.base.copy()
-        p[list(self.places)] = parameters[::-1]
-        slopes, mesh, x = [], None, values[: self._nodes]
-        for place, value in zip(self.places[::-1], parameters, strict=True):
-            mesh = OnMesh(replace(self.problem, base=p, active=place, spaces={}), self.h)
-            x = np.append(values[: self._nodes], value)
-            slopes.append(mesh.parameter_slope(x))
-        here = None if mesh is None else mesh.at(x)
-        if here is None or not np.all(np.isfinite(slopes)):
+    def at(self, y: Array) -> Collocated | None:
+        """None where something is not finite."""
+        problem, values = self.problem, y * self.scale
+        n, m, count = problem.n, problem.points, len(self.h)
+        order = list(self.places[::-1])
+        known = problem.base.copy()
+        known[order] = values[self._nodes :]
+        profile = Profile(m, values[: self._nodes].reshape(-1, n), 1.0, self.h, 0.0)
+        nodes = profile.u[np.arange(count)[:, None] * m + np.arange(m + 1)]
+        p = np.tile(np.append(known, 0.0), (count * m, 1))
+        p[:, -1] = profile.gauss_times
+        inside = np.einsum("cj,ijk->ick", basis(m).values, nodes).reshape(-1, n)
+        f, slopes = problem.system.jacobians(inside, p)
+        g, dg = problem.two.conditions.jacobian(profile.u[0], profile.u[-1], known)
+        f, slopes = f.reshape(count, m, n), slopes.reshape(count, m, n, -1)
+        fu, fq = slopes[..., :n], slopes[..., [n + place for place in order]]
+        ends, ends_q = dg[:, : 2 * n], dg[:, [2 * n + place for place in order]]
+        if not all(np.all(np.isfinite(part)) for part in (f, fu, fq, g, ends, ends_q)):
             return None
-        return here.residual, scaled_columns(with_columns(here.linear.matrix, np.array(slopes).T), self.scale)
+        local = np.einsum("cj,ijk->ick", basis(m).slopes, nodes) - self.h[:, None, None] * f
+        return Collocated(np.append(local.ravel(), g), self.h, fu, fq, ends, ends_q, self.scale)

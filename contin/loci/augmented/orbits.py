@@ -18,7 +18,7 @@ from contin.continuation.sample import Sample
 from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import Chosen, MeshedBase
-from contin.loci.augmented.singular import Borders, critical, null_vectors, singular
+from contin.loci.augmented.singular import Assembled, Borders, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 from contin.loci.tolerances import REAL
 from contin.loci.without_coefficients import with_remark
@@ -68,8 +68,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         """With z as the orbit that the phase refers to."""
         chosen = Chosen(self.profile(z).h, None, self.inner(z))
         own = replace(self, chosen=chosen)
-        on_mesh = _OnMesh(own, z, scale)
-        here = on_mesh.at(on_mesh.unknowns(z)) if self.type else None
+        here = own.equations(z, scale) if self.type else None
         if here is None:
             return own
         return replace(own, chosen=replace(chosen, borders=own._borders(z, own._critical(here[1], z))))
@@ -98,9 +97,10 @@ class OrbitBase(MeshedBase[OrbitProblem]):
 
     def _critical(self, matrix: csc_matrix, z: Array) -> csc_matrix:
         """M: of period doublings that of perturbations which close with the other sign."""
-        if self.type != "PD":
-            return critical(matrix, matrix.shape[0], self.extra == 1)
         n, nodes = self.problem.n, self.profile(z).u.size
+        if self.type != "PD":
+            kept = [*range(matrix.shape[0]), *([matrix.shape[1] - 1] if self.extra else [])]
+            return matrix[:, kept]
         own = matrix[:nodes, :nodes].tolil()
         own[nodes - n : nodes, :n] = -own[nodes - n : nodes, :n]
         return own.tocsc()
@@ -109,7 +109,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         where = self.where(z)
         on_mesh = _OnMesh(self, z, scale)
         y = on_mesh.unknowns(z)
-        here = on_mesh.at(y)
+        here = self.equations(z, scale)
         if here is None:
             return None
         f, matrix = here
@@ -119,7 +119,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
             return SparseBordered(np.append(f, np.zeros(still)), whole, where, z.size)
         own = self._critical(matrix, z)
         borders = self._borders(z, own)
-        found = singular(on_mesh, y, matrix, borders, own=own)
+        found = singular(on_mesh, y, Assembled(own), borders)
         if found is None:
             return None
         gradient, columns, count = found.gradient, matrix, matrix.shape[0]
@@ -134,7 +134,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
     def _borders(self, z: Array, own: csc_matrix) -> Borders:
         """Those chosen, where they are of this mesh."""
         known = None if self.chosen is None else self.chosen.borders_on(self.profile(z).h)
-        return null_vectors(own, 1 + self.extra) if known is None else known
+        return null_vectors(Assembled(own), 1 + self.extra) if known is None else known
 
     # -- stability -----------------------------------------------------------------------------------------------------
 
@@ -235,9 +235,10 @@ class _OnMesh:
         y = z[where] / self.scale[where]
         return np.delete(y, [len(where) - base.behind] if base.extra else [])
 
-    def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
+    def at(self, y: Array) -> Assembled | None:
         base, z = self.base, self.like.copy()
         where = base.where(z)
         where = np.delete(where, [len(where) - base.behind] if base.extra else [])
         z[where] = y * self.scale[where]
-        return base.equations(z, self.scale)
+        here = base.equations(z, self.scale)
+        return None if here is None else Assembled(here[1])

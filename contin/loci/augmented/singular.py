@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.borders import below
 from contin.linalg.csc import with_columns, with_rows
 from contin.linalg.vectors import norm
 from contin.loci.augmented.sparse import Factors
@@ -23,14 +24,49 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 STEP: Final = 1e-4  # scaled, of the central difference of the matrix
-ROUNDS: Final = 3  # of inverse iteration
+ROUNDS: Final = 2  # of inverse iteration: M is singular but for the error of a mesh, and one leaves nothing else
+
+
+class Linearised(Protocol):
+    """F' = [F_x, F_p] (n, n + k) at a point."""
+
+    def pulled(self, w: Array) -> Array:
+        """w^T F' (n + k,) of the first rows, as many as w (n,) has entries."""
 
 
 class Equations(Protocol):
     """F and its derivatives at y = (x, parameters)."""
 
-    def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
-        """F (n,) and [F_x, F_p] (n, n + k); None where they are not finite."""
+    def at(self, y: Array) -> Linearised | None:
+        """None where something is not finite."""
+
+
+class Matrix(Protocol):
+    """M (n, columns)."""
+
+    @property
+    def shape(self) -> tuple[int, int]: ...
+
+    def bordered(self, columns: Array, rows: Array) -> csc_matrix:
+        """[M columns; rows^T 0]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """F' or M as a sparse matrix."""
+
+    matrix: csc_matrix
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        found: tuple[int, int] = self.matrix.shape
+        return found
+
+    def pulled(self, w: Array) -> Array:
+        return np.asarray(self.matrix[: len(w)].T @ w)
+
+    def bordered(self, columns: Array, rows: Array) -> csc_matrix:
+        return with_rows(with_columns(self.matrix, columns), below(columns, rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +85,7 @@ class Singular:
     gradient: Array
     right: Array
     left: Array
+    factors: Factors  # of [M b; C^T 0]
 
     @property
     def form(self) -> Array | None:
@@ -61,19 +98,15 @@ class Singular:
         return np.asarray(self.gradient @ directions)
 
 
-def stacked(matrix: csc_matrix, columns: Array, rows: Array) -> csc_matrix:
-    """[M columns; rows^T 0]"""
-    below = np.hstack([rows.T, np.zeros((rows.shape[1], columns.shape[1]))])
-    return with_rows(with_columns(matrix, columns), below)
-
-
-def null_vectors(matrix: csc_matrix, count: int) -> Borders:
+def null_vectors(matrix: Matrix, count: int) -> Borders:
     """Singular vectors (n,), (columns, count) of the smallest singular values of M, by bordered inverse iteration."""
     generator = np.random.default_rng(8)
     b, c = generator.normal(size=matrix.shape[0]), generator.normal(size=(matrix.shape[1], count))
     b, c = b / norm(b), np.linalg.qr(c)[0]
     for _ in range(ROUNDS):
-        factors = Factors(stacked(matrix, b[:, None], c))
+        factors = Factors(matrix.bordered(b[:, None], c))
+        if factors.is_singular:
+            break
         n, columns = matrix.shape
         units = np.vstack([np.zeros((n, count)), np.eye(count)])
         v = np.column_stack([factors.solve(unit) for unit in units.T])[:columns]
@@ -84,26 +117,17 @@ def null_vectors(matrix: csc_matrix, count: int) -> Borders:
     return Borders(b, c)
 
 
-def critical(matrix: csc_matrix, n: int, branching: bool) -> csc_matrix:
-    """M of [F_x, F_p]: with the column of the last parameter where branch points are meant."""
-    from scipy import sparse
-
-    return sparse.hstack([matrix[:, :n], matrix[:, -1:]], format="csc") if branching else matrix[:, :n].tocsc()
-
-
 def singular(
-    equations: Equations, y: Array, matrix: csc_matrix, borders: Borders, slopes: bool = True,
-    own: csc_matrix | None = None,
-) -> Singular | None:  # fmt: skip
-    """The scalars at y (scaled), where [F_x, F_p] is `matrix`; without `slopes` their gradient is left empty.
+    equations: Equations, y: Array, own: Matrix, borders: Borders, slopes: bool = True
+) -> Singular | None:
+    """The scalars of M (`own`) at y, scaled; without `slopes` their gradient is left empty.
 
-    own : M, where it is made of the first rows of F_x in another way, such as of orbits that close with another sign.
+    M has the first rows and columns of F' there, with the column of the last parameter where branch points are meant
+    (or is like it, as for orbits that close with another sign).
     """
-    count = borders.right.shape[1]
-    own = critical(matrix, matrix.shape[0], count == 2) if own is None else own
-    n = own.shape[0]
-    factors = Factors(stacked(own, borders.left[:, None], borders.right))
-    if factors.sign == 0.0:
+    count, n = borders.right.shape[1], own.shape[0]
+    factors = Factors(own.bordered(borders.left[:, None], borders.right))
+    if factors.is_singular:
         return None
     columns = own.shape[1]
     units = np.vstack([np.zeros((n, count)), np.eye(count)])
@@ -120,5 +144,5 @@ def singular(
         ahead, behind = (equations.at(y + side * step * direction) for side in (1.0, -1.0))
         if ahead is None or behind is None:
             return None
-        gradient[k] = -((ahead[1][:n] - behind[1][:n]).T @ w) / (2.0 * step)
-    return Singular(g, gradient, v, w)
+        gradient[k] = (behind.pulled(w) - ahead.pulled(w)) / (2.0 * step)
+    return Singular(g, gradient, v, w, factors)

@@ -16,7 +16,7 @@ from contin.bvp.boundary_problem import BoundaryProblem
 from contin.loci.augmented import boundary_degeneracies as degeneracies
 from contin.loci.augmented.meshed import Chosen, MeshedBase
 from contin.loci.augmented.on_mesh_in_parameters import OnMeshInParameters
-from contin.loci.augmented.singular import Borders, critical, null_vectors
+from contin.loci.augmented.singular import Borders, null_vectors
 from contin.problems.orbits.mesh.layout import Profile
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class SingularSolutions(MeshedBase[BoundaryProblem]):
         here = on_mesh.at(z[where] / scale[where])
         if here is None:
             raise FloatingPointError("the equations are not finite where a curve is to be followed")
-        found = null_vectors(critical(here[1], here[1].shape[0], self.extra == 1), 1 + self.extra)
+        found = null_vectors(here.critical(self.extra == 1), 1 + self.extra)
         old, n = None if self.chosen is None else self.chosen.borders, self.problem.n
         if old is not None and float(_sums(found.left, n) @ _sums(old.left, n)) < 0.0:
             found = Borders(-found.left, found.right)
