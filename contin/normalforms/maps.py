@@ -56,6 +56,12 @@ def period_doubling(jet: Jet, *, drift: Real | None = None, further: Errors = NO
     return NormalForm("PD", coefficients, f"{criticality} period doubling", vectors, {"c": error})
 
 
+def cubic_at_flip(jet: Jet) -> tuple[float, Real]:
+    """c and q as `period_doubling` has them, without the error of c."""
+    manifold = flip_manifold(jet)
+    return manifold.g((3,), 0).real, manifold.right[0].real
+
+
 def flip_predictor(jet: Jet) -> DoubledPredictor:
     """The doubled orbit for a jet with one active parameter; with multiplier -1 + gamma dp, p2 = -c/gamma.
 
@@ -78,6 +84,12 @@ def circle_manifold(jet: Jet, theta: float | None = None, drift: Real | None = N
     value = elementary.exp(1j * theta)
     pair = null_pair(jet.A - value * np.eye(jet.n), complex(value), jet.scale)
     return CentreManifold(jet, [pair, conjugate(pair)], drift)
+
+
+def cubic_on_circle(jet: Jet, theta: float) -> complex:
+    """d as `neimark_sacker` has it, without its error."""
+    manifold = circle_manifold(jet, theta)
+    return manifold.g((2, 1), 0) / complex(manifold.values[0])
 
 
 def neimark_sacker(

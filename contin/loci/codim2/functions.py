@@ -29,8 +29,8 @@ from contin.loci.codim2.matrices import (
 from contin.loci.codim2.uncomputed_tests import untold
 from contin.loci.tolerances import REAL
 from contin.machine import elementary
-from contin.normalforms.hopf import hopf
-from contin.normalforms.maps import neimark_sacker
+from contin.normalforms.hopf import first_lyapunov
+from contin.normalforms.maps import cubic_on_circle, neimark_sacker
 from contin.normalforms.result import NO_FORM
 from contin.normalforms.rounding import off_by_rounding
 from contin.special.table import special_type
@@ -144,7 +144,7 @@ def lyapunov(problem: CurveOfPoints, z: Array, beyond_error: bool = False) -> fl
     if kappa <= 0.0:
         return 0.0
     if curve.system.jacobian_address == NO_FUNCTION:
-        return float(hopf(jet_at(problem, z), float(np.sqrt(kappa))).coefficients["l1"])
+        return first_lyapunov(jet_at(problem, z), float(np.sqrt(kappa)))
 
     system, d = curve.system, curve.sizes
     matrix = np.ascontiguousarray(scaled_matrix(problem, z))
@@ -161,12 +161,15 @@ def _map_lyapunov(problem: CurveOfPoints, z: Array, cosine: float, beyond_error:
     """Re d of a Neimark-Sacker point."""
     if abs(cosine) >= 1.0:
         return 0.0
+    jet, theta = jet_at(problem, z), float(elementary.acos(cosine))
     try:
-        form = neimark_sacker(jet_at(problem, z), float(elementary.acos(cosine)))
+        if not beyond_error:
+            return cubic_on_circle(jet, theta).real
+        form = neimark_sacker(jet, theta)
     except (ZeroDivisionError, np.linalg.LinAlgError) as error:
         return untold(problem, "CH", error)
     value = float(form.coefficients["d"][0])
-    return value if not beyond_error or abs(value) > float(form.errors["d"]) else 0.0
+    return value if abs(value) > float(form.errors["d"]) else 0.0
 
 
 def rounding_of(problem: CurveOfPoints, type_: str, z: Array) -> float:
@@ -184,7 +187,7 @@ def rounding_of(problem: CurveOfPoints, type_: str, z: Array) -> float:
     def value(jet: Jet) -> float:
         if type_ == "GPD":
             return of_jet(jet)
-        return float(neimark_sacker(jet, theta).coefficients["d"][0])
+        return cubic_on_circle(jet, theta).real
 
     jet = jet_at(problem, z)
     try:
