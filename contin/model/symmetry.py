@@ -68,7 +68,7 @@ class _Check:
             if not all(math.isfinite(v) for side in sides for v in side):
                 continue
             done += 1
-            worst = self.broken(point)
+            worst = self.broken(point, *sides)
             if worst is not None:
                 return self.message(worst, point)
             if done == 1 and len(self.names) <= _RANK_LIMIT and self.loses_rank(point):
@@ -86,10 +86,11 @@ class _Check:
         for k in range(FAR_SAMPLES):
             point = self.sample(chance, 0, float(10 ** (k % DECADES)))
             try:
-                finite = all(math.isfinite(v) for side in self.sides(point, math) for v in side)
+                sides = self.sides(point, math)
             except (OverflowError, ValueError, ZeroDivisionError):  # the equations have no value there
                 continue
-            worst = self.broken(point) if finite else None
+            finite = all(math.isfinite(v) for side in sides for v in side)
+            worst = self.broken(point, *sides) if finite else None
             if worst is not None:
                 return self.message(worst, point)
         return ""
@@ -117,9 +118,9 @@ class _Check:
             return evaluate_all(self.images, {**point, **value}, lib), after
         return directional(self.images, point, value, lib), after
 
-    def broken(self, point: Mapping[str, float]) -> int | None:
-        """The equation with the largest relative difference, if that is not rounding."""
-        if max(self.gaps(*self.sides(point, math))) <= TOLERANCE:
+    def broken(self, point: Mapping[str, float], before: list[Any], after: list[Any]) -> int | None:
+        """The equation with the largest relative difference of the two sides at a point, if that is not rounding."""
+        if max(self.gaps(before, after)) <= TOLERANCE:
             return None
         import mpmath
 

@@ -21,6 +21,7 @@ from contin.systems.protocol import form_by_form, one_by_one
 if TYPE_CHECKING:
     from contin.systems.protocol import Limit, Named
 
+KEPT: Final = 1000  # passages: a normal form, its errors and the point that follows ask for some hundred at one point
 SHORTER: Final = 0.5  # differences by which those of normal forms are judged
 COARSER: Final = 10.0  # ratio of the trajectories' tolerances by which places are judged
 FIRST_LOOKS: Final = (1e-4, 1e-6, 1e-8)  # of the unknowns' sizes: steps that show how soon the Jacobian changes
@@ -128,7 +129,7 @@ class ReturnSystem:
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
         key = states.tobytes() + others.tobytes()
         if key not in self._kept:
-            if len(self._kept) > 64:
+            if len(self._kept) > KEPT:
                 self._kept.clear()
             full = self.full(states)
             self._kept[key] = pass_through(self.flow, self.arcs, self.winding, full, others, self.sizes, self.accuracy)
