@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -17,6 +16,7 @@ from contin.continuation.outcome import Failure
 from contin.kernels.steering import ONE_POINT, STAGNATION, STALLED, TOLD
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
+from contin.offers import offers
 
 NEWTON_LIMIT = 7
 CLOSE = 1e-4  # a matrix serves for points this near
@@ -102,12 +102,6 @@ class Correcting(Protocol):
     @property
     def dear(self) -> bool:
         """Whether a solve takes much longer than a residual."""
-
-
-@cache
-def offers(kind: type, name: str) -> bool:
-    """Whether linearisations of a class offer more; asked once a class, for it takes as long as a small solve."""
-    return any(name in base.__dict__ for base in kind.__mro__)
 
 
 class Correctable(Protocol):

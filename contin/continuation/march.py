@@ -23,7 +23,6 @@ from contin.continuation.corrector import (
     Forming,
     Linearisation,
     correct,
-    offers,
 )
 from contin.continuation.extrapolation import REACH, cubic
 from contin.continuation.outcome import Failure
@@ -36,6 +35,7 @@ from contin.kernels.special_orbits.sides import mixed_ratio
 from contin.kernels.steering import AT_CORNER, RESCALE_AT, STRAYED, TURNED, is_dip
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
+from contin.offers import offers
 
 LANDED = 1e-9
 

@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement, product
-from typing import Final, Literal, Protocol, TypeAlias, runtime_checkable
+from typing import Final, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Vector
+from contin.offers import offers
 
 Real: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
@@ -54,7 +55,6 @@ class Jet(Protocol):
     def form(self, *directions: Vector) -> Vector: ...
 
 
-@runtime_checkable
 class Weighed(Protocol):
     """A jet of M u' = F(u, p)."""
 
@@ -65,7 +65,7 @@ class Weighed(Protocol):
 
 def mass_of(jet: Jet) -> Real | None:
     """M of a jet that has one; None: the identity."""
-    return jet.mass if isinstance(jet, Weighed) else None
+    return cast(Weighed, jet).mass if offers(type(jet), "mass") else None
 
 
 class Disturbed:

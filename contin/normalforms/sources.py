@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from contin.abi import Vector
 from contin.normalforms.jet import DerivativeJet, Kind, Real
+from contin.offers import offers
 
 
 class Compiled(Protocol):
@@ -22,7 +23,6 @@ class Compiled(Protocol):
     def derivatives(self, u: Real, p: Real, *directions: Vector) -> Vector: ...
 
 
-@runtime_checkable
 class Differenced(Protocol):
     """A system whose derivatives of second and higher order may be differences."""
 
@@ -30,7 +30,6 @@ class Differenced(Protocol):
         """The same with other ones; () where they are exact to rounding."""
 
 
-@runtime_checkable
 class Amplifying(Protocol):
     """A system that amplifies rounding errors inside, as iterates of a map."""
 
@@ -64,16 +63,17 @@ def jet_of(
                 row[n + place] = direction[k]
         return np.asarray(system.derivative(u, p, *full), dtype=float)
 
-    others = system.with_other_differences() if isinstance(system, Differenced) else ()
+    differenced = offers(type(system), "with_other_differences")
+    others = cast(Differenced, system).with_other_differences() if differenced else ()
     otherwise = tuple(jet_of(matrix, other, u, p, active, kind, scale) for other in others)
 
     def rounded() -> Sequence[DerivativeJet]:
-        assert isinstance(system, Amplifying)
-        return [compiled_jet(other, u, p, active, kind, scale) for other in system.otherwise_rounded(scale)]
+        others = cast(Amplifying, system).otherwise_rounded(scale)
+        return [compiled_jet(other, u, p, active, kind, scale) for other in others]
 
     return DerivativeJet(
         matrix, derivative, len(active), kind, scale, at_once(system, u, p, active), otherwise=otherwise,
-        rounded=rounded if isinstance(system, Amplifying) else None,
+        rounded=rounded if offers(type(system), "otherwise_rounded") else None,
     )  # fmt: skip
 
 

@@ -12,20 +12,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Protocol, cast, runtime_checkable
+from typing import Final, Protocol, cast
 
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.corrector import Forming, offers
+from contin.continuation.corrector import Forming
 from contin.linalg.vectors import norm
+from contin.offers import offers
 
 STEP: Final = 1e-5  # scaled, of the central differences of scalars
 
 Scalars = Callable[[Array], Array]  # z -> (k,)
 
 
-@runtime_checkable
 class Sloped(Protocol):
     """Scalars with derivatives of their own."""
 
@@ -89,8 +89,8 @@ class Augmented:
         length = norm(x)
         if length == 0.0 or not self.values.size:
             return np.zeros(len(self.values))
-        if isinstance(self.scalars, Sloped):
-            return np.asarray(self.scalars.along(self.z, self.scale * x))
+        if hasattr(self.scalars, "along"):
+            return np.asarray(cast(Sloped, self.scalars).along(self.z, self.scale * x))
         step = STEP / length * self.scale * x
         return np.asarray((self.scalars(self.z + step) - self.scalars(self.z - step)) * (0.5 * length / STEP))
 
