@@ -33,7 +33,7 @@ def orthonormal(columns: Array) -> tuple[Array, Array]:
     for j in range(q.shape[1]):
         before = q[:, :j]
         long = float(np.sqrt(q[:, j] @ q[:, j]))
-        for _ in range(2):  # once leaves rounding errors of the large components
+        for _ in range(2 if j else 0):  # once leaves rounding errors of the large components
             q[:, j] -= before @ (before.T @ q[:, j])
         rest = float(np.sqrt(q[:, j] @ q[:, j]))
         if rest > LOST * long:

@@ -162,12 +162,12 @@ def _followed(
         whole, before = float(round(whole)), float(round(before))
     u, t, directions = course.u, 0.0, generic_directions(course.moving, count)
     scale, rate = course.scale[:, None], 1.0 / course.natural
-    logs: list[Array] = []
+    stretched: list[Array] = []
     lengths: list[float] = []
     steps, touched, why = 0, 0, ""
     still = np.zeros((len(course.scale) - course.moving, count))  # the phase of the forcing
     for end in (before, before + whole):
-        logs, lengths = [], []
+        stretched, lengths = [], []
         while t < end * (1.0 - 1e-12) and not why:
             length = 1.0 if course.is_map else min(SPREAD / rate, whole / PARTS, end - t)
             if end - t - length < 0.01 * length:
@@ -180,10 +180,11 @@ def _followed(
                 break
             directions, stretches = orthonormal((carried.columns / scale)[: course.moving])
             u, t = carried.u, t + length
-            logs.append(logarithms(stretches))
+            stretched.append(stretches)
             lengths.append(length)
-            rate = _spreading(logs[-1], length, rate)
-    return Growth(np.array(logs).reshape(-1, count), np.array(lengths)), u, why, touched
+            if not course.is_map:
+                rate = _spreading(logarithms(stretches), length, rate)
+    return Growth(logarithms(np.array(stretched).reshape(-1, count)), np.array(lengths)), u, why, touched
 
 
 def _spreading(logs: Array, length: float, last: float) -> float:

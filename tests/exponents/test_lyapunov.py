@@ -5,10 +5,13 @@ Published: Sprott, Chaos and Time-Series Analysis (Oxford 2003), appendix A.
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
 
 import contin
+from contin.exponents.disturbances import logarithms
 
 
 def lorenz(unit=1.0):
@@ -167,3 +170,20 @@ def test_what_ends_early_or_cannot_be_disturbed_is_said():
         contin.lyapunov(contin.Model("dae", states={"x": 1, "y": 1}, equations={"x": "y", "y": "x - y"}, mass={"y": 0}))
     with pytest.raises(contin.InputError, match="belong together"):
         contin.lyapunov(lorenz(), parameter="r")
+
+
+def test_of_a_map_logarithms_are_taken_once_and_not_at_every_iterate(monkeypatch):
+    """No step length of a map depends on them; what is summed is the same, bit by bit."""
+    taken = []
+    module = importlib.import_module("contin.exponents.lyapunov")
+
+    def counted(stretches):
+        taken.append(stretches.copy())
+        return logarithms(stretches)
+
+    monkeypatch.setattr(module, "logarithms", counted)
+    found = contin.lyapunov(henon(), time=300)
+    [stretches] = taken
+    assert stretches.shape == (300, 2)
+    singly = np.array([logarithms(row) for row in stretches])
+    assert found.exponents.tolist() == (singly.sum(axis=0) / 300.0).tolist()
