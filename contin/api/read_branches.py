@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Vector
-from contin.continuation.branch import Branch, End, ImageOf, Parent, SpecialPoint
+from contin.continuation.branch import ERROR_OF, Branch, End, ImageOf, Parent, SpecialPoint
 from contin.continuation.stored_problem import StoredProblem
 from contin.records import Record
 from contin.store.solutions import Solutions
@@ -52,14 +52,16 @@ def _point(branch: Record, stored: Record, solutions: Solutions | None) -> Speci
     if solutions is not None:
         solution = partial(solutions.point, branch["name"], stored["label"], where)
     problem = StoredProblem(branch["kind"], tuple(branch["parameters"]), where, stored.get("orbit"), solution)
-    errors = [_number(stored["errors"][n]) for n in branch["parameters"][1:2] if n in stored.get("errors", {})]
+    errors = {name: _number(error) for name, error in stored.get("errors", {}).items()}
+    known = dict(zip(("second",), (errors[n] for n in branch["parameters"][1:2] if n in errors), strict=False))
+    known |= {f"{ERROR_OF}{name}": error for name, error in errors.items() if name not in branch["parameters"]}
     return SpecialPoint(
         type=stored["type"], label=stored["label"], index=stored["index"], z=np.empty(0), tangent=np.empty(0),
         values={name: _number(value) for name, value in stored["values"].items()},
         residual=_number(stored["residual"]), error=_number(stored["error"]),
         eigenvalues=_complex(stored.get("multipliers", stored.get("eigenvalues", []))),
         normal_form=stored["normal_form"], also=tuple(filter(None, stored.get("also", "").split(", "))),
-        branch=branch["name"], problem=problem, vectors=dict(zip(("second",), errors, strict=False)),
+        branch=branch["name"], problem=problem, vectors=known,
     )  # fmt: skip
 
 

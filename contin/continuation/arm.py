@@ -21,7 +21,7 @@ from contin.continuation.outcome import Corner, Jump, Verified
 from contin.continuation.problem import Problem, Renewal, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
-from contin.continuation.turning_off import CROSSED
+from contin.continuation.turning_off import CROSSED, turned_at_once
 from contin.linalg.vectors import dot, norm
 from contin.special.table import special_type
 
@@ -151,7 +151,8 @@ class Arm:
         notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
         hiding = segment.hiding + len(notes)
         last = len(chunk) - (chunk.stop is Stop.BOUND)  # where a step ends beyond a bound, they may cross there
-        rows = [row for row in chunk.crossed if row < last and not self._is_labelled(chunk, row)]
+        crossed = sorted({*chunk.crossed, *turned_at_once(chunk.tangents, chunk.lengths)})
+        rows = [row for row in crossed if row < last and not self._is_labelled(chunk, row)]
         notes += [f"{CROSSED} near {self.course.position(chunk.z[row])}" for row in rows]
         return replace(segment, notes=(*segment.notes, *notes), hiding=hiding) if notes else segment
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 ANNOUNCED_FAILURES = frozenset({"corrector", "steps", "stopped"})  # reasons that make a run exit with code 1
+ERROR_OF = "error of "  # ... a state: the key of its estimated error among the vectors of a point
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,12 @@ class SpecialPoint:
 
     @property
     def errors(self) -> dict[str, float]:
-        """Estimated errors of the varying parameters by name: the first one's, and that of the second where known."""
+        """Estimated errors by name: of the first varying parameter, the second one and the states where known."""
         names = tuple(getattr(self.problem, "parameters", ()))
         known = (self.error, self.vectors.get("second"))
-        return {name: float(error) for name, error in zip(names, known, strict=False) if error is not None}
+        own = {name: float(error) for name, error in zip(names, known, strict=False) if error is not None}
+        states = {key: float(error) for key, error in self.vectors.items() if key.startswith(ERROR_OF)}
+        return own | {key.removeprefix(ERROR_OF): error for key, error in states.items()}
 
     @property
     def orbit(self) -> Orbit:

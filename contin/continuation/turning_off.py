@@ -19,6 +19,24 @@ from contin.kernels.steering import BEFORE, BISECTED, LEAST, ONE_POINT, SHIFT
 from contin.linalg.vectors import norm
 
 CROSSED: Final = "another curve crosses this one, or passes it too closely to be told from it"
+SHORT: Final = 1e-5  # scaled: in no longer step smooth curves turn by ...
+TURNED: Final = 1e-2  # ... this angle, where the curvature before and after ...
+STRAIGHT: Final = 1e-2  # ... is this part of what that makes, or less
+
+
+def turned_at_once(tangents: Array, lengths: Array) -> list[int]:
+    """Rows to which a curve has come by a turn, in a step so short that it is on to another curve, or all but that.
+
+    tangents (rows, size) : unit ones.  lengths (rows,) : of the step to each row.
+    """
+    apart = np.diff(tangents, axis=0)
+    angles, steps = np.sqrt(np.einsum("ij,ij->i", apart, apart)), lengths[1:]
+    if len(angles) < 3 or not np.all(steps > 0.0):
+        return []
+    rates = angles / steps
+    beside = np.maximum(rates[:-2], rates[2:])
+    sharp = (angles[1:-1] > TURNED) & (steps[1:-1] < SHORT) & (beside < STRAIGHT * rates[1:-1])
+    return [int(row) + 2 for row in np.flatnonzero(sharp)]
 
 
 @dataclass(frozen=True, eq=False)

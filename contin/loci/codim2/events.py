@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.branch import ERROR_OF
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
+from contin.continuation.turning_off import CROSSED
 from contin.loci.codim2 import degenerate, zero_hopf_crossing
 from contin.loci.codim2.double_zero import on_branch_points
 from contin.loci.codim2.fold_ends import at_fold
@@ -25,6 +27,7 @@ from contin.loci.codim2.matrices import eigenvalues, null_pair, scaled_matrix
 from contin.loci.codim2.solving import DIFFERENCE, RESIDUAL_LIMIT, Solution, solve
 from contin.loci.codim2.triple_zero import triple_zero
 from contin.loci.tolerances import ILL_CONDITIONED
+from contin.records import Fields
 from contin.special.table import signs_of_points, tests_of_points
 
 if TYPE_CHECKING:
@@ -210,12 +213,18 @@ def _point(problem: CurveOfPoints, type_: str, solved: Solution, frame: Frame) -
     plane = on_locus and zero_hopf_crossing.is_forced(problem, z, frame.scale, zero_hopf_crossing.EXACT)
     drift = None if solved.drift is None else solved.drift * frame.scale
     described_point = described(problem, point, values[critical], frame.scale, plane, drift)
-    known: dict[str, float] = {}
+    known: Fields = {}
     if np.isfinite(solved.second):
-        rounding = 0.5 * np.finfo(float).eps * abs(float(z[-2]))
-        known["second"] = solved.second * float(frame.scale[-2]) + rounding
+        rounded = 0.5 * np.finfo(float).eps * abs(float(z[-2]))
+        known["second"] = solved.second * float(frame.scale[-2]) + rounded
     if solved.drift is not None:
         known["reach"] = float(np.linalg.norm(solved.drift[problem.identifying]))
+    if solved.each is not None:
+        rounding = solved.each * frame.scale + 0.5 * np.finfo(float).eps * np.abs(z)
+        names = (f"{ERROR_OF}{name}" for name in problem.system.state_names)
+        known |= dict(zip(names, rounding.tolist(), strict=False))
+    if solved.crossed and not described_point.remark:
+        described_point = replace(described_point, remark=CROSSED)
     return replace(described_point, vectors={**described_point.vectors, **known})
 
 

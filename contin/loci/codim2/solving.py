@@ -25,6 +25,12 @@ FREE = 1e-12  # relative: singular values up to which a direction costs nothing
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function, ...
 SHORTER = 0.1  # part of it that serves where the function bends
 LONGEST = 1e-3  # ... where that is lost in rounding errors, longer ones along the curve,
+ILL = 1e-13  # an estimated error above this may be more than that of a regular defining system
+ASIDE = 1e-2  # scaled distance at which the equations' sizes are looked at, too
+BENDING = 1e-3  # scaled step of its second derivative
+TOLD = 20.0  # times that error: a distance at which the singular place beside a zero is none of it
+ALIKE = 16.0 * float(np.finfo(float).eps)  # ... and of equations' terms, which may all be rounded alike
+CROSSED = 1e-6  # singular value of a curve's equations over the largest, at which another one is not told from it
 ROUGH = 0.1  # ... until no more than this part of a difference is rounding
 
 Residual = Callable[[Array], tuple[Array, Array]]  # residuals of a square system, Jacobian without its last row
@@ -36,6 +42,7 @@ class Solution:
 
     drift : estimated errors of all unknowns, scaled, as a multiple of the curve's tangent; None where not known.
     second : the estimated error of the second parameter, scaled; NaN where not known.
+    each : those of all unknowns, each by itself; None where not known.
     """
 
     y: Array
@@ -43,6 +50,8 @@ class Solution:
     error: float
     drift: Array | None = None
     second: float = float("nan")
+    each: Array | None = None
+    crossed: bool = False  # the curve's own equations are singular there: two curves are not told apart
     alone: bool = True  # the function has two signs at `DIFFERENCE` on both sides: no second zero lies as near
 
 
@@ -84,12 +93,14 @@ def solve(
     except np.linalg.LinAlgError:  # not verified, in words
         return None
 
-
     def residuals(at: Array) -> Array:
         z = at * scale
         return np.column_stack([curve.values(z, parameters) / rows, at_rows(function, z) / size])
 
     scatter = _scatter(residuals, matrix, inverse, y) + off * np.abs(inverse[:, -1])
+    regular = turning or not float(np.max(scatter)) > ILL
+    more, crossed = (0.0, False) if regular else _beside_singular(residual, residuals, y, matrix, scatter)
+    scatter = scatter + more
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
     aside = max(DIFFERENCE, min(off * float(np.linalg.norm(inverse[:, -1])) / ROUGH, LONGEST))
@@ -98,14 +109,20 @@ def solve(
         far = at_rows(function, np.array([y + FURTHER * aside * along, y - FURTHER * aside * along]) * scale)
         if _is_pole(abs(float(g[-1])) * size, np.array([after, before]), far):
             return None
-    approximate = accuracy_of_equations(curve.system)
-    if approximate > 0.0:
-        sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
-        scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
+    scatter = scatter + _of_approximate(accuracy_of_equations(curve.system), jacobian, inverse, y)
     drift = (float(np.max(scatter)) + float(np.max(lacking))) * along
     second, first = (scatter + lacking)[-2:].tolist()
     g[-1] = max(abs(float(g[-1])) - off, 0.0)  # what is not rounding
-    return Solution(y, float(np.max(np.abs(g))), first, drift, second, not after * before > 0.0)
+    lonely = not after * before > 0.0
+    return Solution(y, float(np.max(np.abs(g))), first, drift, second, scatter + lacking, crossed, lonely)
+
+
+def _of_approximate(accuracy: float, jacobian: Array, inverse: Array, y: Array) -> Array:
+    """Errors of all unknowns where the equations are known to this relative accuracy, (n,)."""
+    if not accuracy > 0.0:
+        return np.zeros(len(y))
+    sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
+    return np.asarray(accuracy * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes))
 
 
 def _is_pole(here: float, beside: Array, far: Array) -> bool:
@@ -163,6 +180,33 @@ def _scatter(residuals: Callable[[Array], Array], matrix: Array, inverse: Array,
     estimates = np.abs(shifts - close @ inverse.T).max(axis=0)
     odd = np.abs(0.5 * (ahead - behind) - longer @ matrix.T).max(axis=0)
     return np.asarray(np.maximum(SAFETY * estimates, np.abs(inverse) @ odd))
+
+
+def _beside_singular(
+    residual: Residual, residuals: Callable[[Array], Array], y: Array, matrix: Array, scatter: Array
+) -> tuple[Array, bool]:
+    """By how much more unknowns may be off where the system is as good as singular, (n,), and whether the curve's is.
+
+    Along the null vector v the residual is bend t (t - 2 d)/2, with the singular place at the distance d. Newton stops
+    anywhere between two zeros that rounding does not tell apart.
+    """
+    beside = residual(y + ASIDE / rounding.PERTURBATION * rounding.shifts(len(y))[0])[1]
+    sizes = np.append(np.maximum(np.abs(matrix[:-1]), np.abs(beside)).max(axis=1), 1.0)  # rows may vanish at y
+    if not np.isfinite(sizes).all():
+        return np.zeros(len(y)), False
+    last = np.linalg.svd(matrix[:-1] / sizes[:-1, None], compute_uv=False)
+    crossed = bool(last[-1] < CROSSED * last[0])
+    left, values, right = np.linalg.svd(matrix / sizes[:, None])
+    step, v = BENDING, right[-1]
+    ahead, here, behind = residuals(np.array([y + step * v, y, y - step * v])) / sizes
+    bend = abs(float(left[:, -1] @ (ahead - 2.0 * here + behind))) / (step * step)
+    spread = float(np.linalg.norm(scatter))
+    if not (np.isfinite(bend) and bend > 0.0):
+        return np.zeros(len(y)), crossed
+    distance = float(values[-1]) / bend
+    if not (distance < TOLD * spread or bend * distance * distance < ALIKE):
+        return np.zeros(len(y)), crossed
+    return np.asarray(2.0 * (distance + float(np.sqrt(spread * distance))) * np.abs(v)), crossed
 
 
 def _newton(
