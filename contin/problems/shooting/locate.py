@@ -36,6 +36,7 @@ NOISE = 4.0  # times the trajectories' accuracy: rounding of the scalar
 SETTLED = 1e-13  # arclength of a last step
 ALIKE = 1e-6  # multipliers this near are one that symmetries repeat
 KERNEL = 1e-4  # singular values below this (relative) belong to the null space
+REGULAR = 1e-9  # ... where another branch passes; else they are those of orbits beside which trajectories part
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,17 +115,20 @@ def on_curve(
 ) -> tuple[Array, float, float] | None:
     """The nearest orbit (shortest correction, null space left out), the scalar there, and the residual."""
     positions = moving(len(z), problem.n)
-    residual = np.inf
-    for _ in range(8):
+    residual, least = np.inf, KERNEL
+    for _ in range(10):
         found = null_space(problem, z, scale)
         if found is None:
             return None
         segments, values, vectors = found
         equations, jacobian = segments.scaled(scale)
         before, residual = residual, float(np.linalg.norm(equations))
-        if residual < 1e-15 or residual > 0.5 * before:
+        if residual > 0.5 * before:
+            more = type_ != "BPC" and np.any((values <= least * values[0]) & (values > REGULAR * values[0]))
+            least = REGULAR if more else least
+        if residual < 1e-15 or (residual > 0.5 * before and not more):
             break
-        kept = values > KERNEL * values[0]
+        kept = values > least * values[0]
         left = jacobian @ vectors[: len(values)].T / np.maximum(values, 1e-300)
         step = -(vectors[: len(values)][kept].T @ (left[:, kept].T @ equations / values[kept]))
         z = z + scale_of(embedded(step, positions, len(z)), scale)
