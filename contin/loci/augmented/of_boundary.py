@@ -1,4 +1,4 @@
-"""Curves of folds and branch points of boundary-value problems, and of cusps and generic branch points."""
+"""Curves of folds and branch points of boundary-value problems, and of points where these are degenerate."""
 
 from __future__ import annotations
 
@@ -23,14 +23,18 @@ NONE = np.zeros(0)
 
 
 @dataclass(frozen=True)
-class Cusp:
-    """<w, B(v, v)> = 0 on folds."""
+class Degenerate:
+    """What vanishes at a CP of folds or a DP of branch points (`boundary_degeneracies`)."""
 
     base: BoundaryBase
-    text: str = "LP with the condition of CP"
+    type: str
+
+    @property
+    def text(self) -> str:
+        return f"{self.base.type} with the condition of {self.type}"
 
     def near(self, problem: object, z: Array, scale: Array) -> Scalars:
-        return scalar(self.base, "CP", z)
+        return scalar(self.base.settled(z, scale), self.type, z)
 
 
 def boundary_base(
@@ -65,9 +69,10 @@ def curve_of(problem: BoundaryProblem, point: SpecialPoint, parameters: Sequence
     return Seed(curve, start(base, z), parent=parent)
 
 
-def cusps(curve: AdaptiveCurve, z: Array, parameters: Sequence[str], parent: Parent | None) -> Seed:
-    """The curve of cusps through one on a curve of folds, in three parameters."""
-    problem = curve.base.at(z)
-    base = boundary_base(problem, curve.base.inner(z), "LP", parameters)
-    held = AdaptiveCurve(base, (Cusp(base),), "CP", tuple(parameters), problem.two.free)
-    return Seed(held, start(base, curve.base.inner(z)), parent=parent)
+def degenerate(curve: AdaptiveCurve, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
+    """The curve of cusps through one on a curve of folds, of DP through one on a curve of branch points; three vary."""
+    z, type_, problem = curve.base.inner(point.z), point.type, curve.base.at(point.z)
+    base = boundary_base(problem, z, curve.type, parameters, curve.base.kind)
+    base = replace(base, usual=curve.base.usual)
+    held = AdaptiveCurve(base, (Degenerate(base, type_),), type_, tuple(parameters), problem.two.free)
+    return Seed(held, start(base, z), parent=Parent(point.branch, point.label))

@@ -11,6 +11,6 @@ TYPE = SpecialType(
     normal_form="contin.normalforms.fold:cusp", order=3,
     curves=("LP",),
     points={"LP": Sign(2, 0)}, maps=True,
-    births=("locus_to_curves_in_three_parameters", "locus_CP_to_cusps_in_three_parameters"),
+    births=("locus_to_curves_in_three_parameters", "locus_to_degenerate_points_in_three_parameters"),
     marker="v", symbol="triangle-down",
 )  # fmt: skip

@@ -9,5 +9,6 @@ TYPE = SpecialType(
     source=f"{SINGULARITIES}, ch. II",
     curves=("LP", "BP"),
     points={"BP": Sign(2, 0)}, maps=True,
+    births=("locus_to_degenerate_points_in_three_parameters",),
     marker="d", symbol="thin-diamond",
 )  # fmt: skip

@@ -116,3 +116,29 @@ def test_generic_branch_points_whose_reduced_equation_is_degenerate(condition, r
     found = contin.continuation(line["BP1"].locus(names), names, box, settings=stop)
     assert {p.type for p in found.points} == {"DBP"}
     assert [found["DBP1"].values[name] for name in names] == pytest.approx([0, 0, 0], abs=1e-8)
+
+
+def test_degenerate_pitchforks_in_three_parameters(beam):
+    """Those of the second mode: lam = 4 pi^2, b = 5 a^2/(18 pi^2)."""
+    box, settings = {"lam": (5, 60), "b": (-0.5, 2)}, {"intervals": 6, "stop_at": ["DP"]}
+    curve = contin.continuation(beam["BP2"].locus(("lam", "b")), ("lam", "b"), box, direction="down", settings=settings)
+    names, wide = ("lam", "b", "a"), {"lam": (5, 60), "b": (-0.5, 2), "a": (0.5, 2)}
+    found = contin.continuation(curve["DP1"].locus(names), names, wide, settings={"intervals": 6})
+    lam, b, a = (found.columns[name] for name in names)
+    assert np.allclose(lam, 4 * np.pi**2, rtol=1e-6)
+    assert np.allclose(b, 5 * a**2 / (18 * np.pi**2), rtol=1e-5)
+    assert {end.reason for end in found.ends} == {"bound"}
+
+
+def test_degenerate_transcritical_points_in_three_parameters():
+    """u (p - c^2 + (q - c) u + u^2): at p = c^2, q = c."""
+    model = constant("u(start)*(p - c^2 + (q - c)*u(end) + u(start)^2) = 0", {"p": 0.5, "q": 1.5, "c": 1.0})
+    line = contin.continuation(boundary_guess(model), "p", (0.5, 1.5), settings=COARSE)
+    box = {"p": (0.5, 1.5), "q": (0.0, 2.0)}
+    curve = contin.continuation(line["BP1"].locus(("p", "q")), ("p", "q"), box, settings=COARSE)
+    names, wide = ("p", "q", "c"), {"p": (0.0, 4.0), "q": (-2.0, 2.0), "c": (-2.0, 2.0)}
+    found = contin.continuation(curve["DP1"].locus(names), names, wide, settings=COARSE)
+    p, q, c = (found.columns[name] for name in names)
+    assert np.allclose(p, c**2, atol=1e-8)
+    assert np.allclose(q, c, atol=1e-8)
+    assert np.ptp(c) > 2.0
