@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -32,15 +33,21 @@ def absolute_tolerances(problem: ShotFamily, nodes: Nodes, p: Array, relative: f
     for k, u in enumerate(nodes.u):
         if system.is_forced:
             own[-1] = k * nodes.period / nodes.count
-        value, slopes = (np.nan_to_num(np.abs(found), posinf=0.0) for found in system.jacobian(u, own))
+        value, slopes = map(_moduli, system.jacobian(u, own))
         sizes = np.maximum(sizes, value * part)
-        lost = np.maximum(lost, EPS * (slopes @ np.abs(np.concatenate([u, own]))))
-    if not np.all(sizes > 0.0):
+        lost = np.maximum(lost, EPS * slopes.dot(np.abs(np.concatenate([u, own]))))
+    if not sizes.min() > 0.0:
         sizes = np.where(sizes > 0.0, sizes, _natural_sizes(system, nodes.u[0], p[: system.m]))
-    if np.any(lost * part > relative * sizes):
+    if (lost * part > relative * sizes).any():
         lost = lost / max(_rate(system, nodes, p), 1.0 / part)
         sizes = np.where(lost > relative * sizes, lost / (ABSOLUTE * relative), sizes)
     return np.asarray(ABSOLUTE * relative * sizes)
+
+
+def _moduli(numbers: Array) -> Array:
+    """Moduli, 0 of what is not finite; asked for on every flight, of which few are not."""
+    moduli = np.abs(numbers)
+    return moduli if isfinite(moduli.sum()) else np.nan_to_num(moduli, posinf=0.0)
 
 
 def _rate(system: System, nodes: Nodes, p: Array) -> float:
