@@ -37,7 +37,8 @@ def hopf_hopf(jet: Jet, omegas: tuple[float, float] | None = None) -> NormalForm
 
     p11 = Re G2100/2, p12 = Re G1011, p21 = Re G1110, p22 = Re G0021/2, theta = p12/p22, delta = p21/p11; `case` simple
     (p11 p22 > 0) or difficult, with its subtype (for theta >= delta, else with w1 and w2 exchanged).
-    `resonance` names k : l where k omega2 = l omega1 with k + l <= 4: further terms then belong in the form.
+    `resonance` names k : l where k omega2 = l omega1 with k + l <= 4: further terms then belong in the
+    form, and `case` says no more.
     """
     manifold = hopf_hopf_manifold(jet, omegas)
     g, size = manifold.g, manifold.magnitude
@@ -67,6 +68,7 @@ def hopf_hopf(jet: Jet, omegas: tuple[float, float] | None = None) -> NormalForm
     for k, m in ((1, 1), (2, 1), (3, 1)):
         if abs(k * omega2 - m * omega1) <= RESONANT * omega1:
             coefficients["resonance"] = f"{m}:{k}"
+            case = f"near-resonant: {m}:{k}"
     coefficients["case"] = case
     vectors = {
         "q1": manifold.right[0],

@@ -152,6 +152,15 @@ def test_hopf_hopf_coefficients_survive_a_change_of_coordinates_and_units(seed, 
     assert form["case"].startswith("simple" if c[0].real * c[3].real > 0 else "difficult")
 
 
+@pytest.mark.parametrize(("omegas", "words"), [((1.00005, 1.0), "1:1"), ((3.0, 1.0), "1:3"), ((2.9, 1.0), None)])
+def test_no_case_of_a_hopf_hopf_point_is_stated_where_frequencies_are_in_resonance(omegas, words):
+    # the amplitudes of w1' = 3 i w1 + ... + w2^3 depend on the phases: the subtypes leave such terms out
+    jet, _ = hide(hopf_hopf_field(*omegas, -1.0, -2.0, -2.0, -1.0), [-0.8], np.random.default_rng(4), 3)
+    form = hopf_hopf(jet).coefficients
+    assert form.get("resonance") == words
+    assert form["case"] == ("simple case I" if words is None else f"near-resonant: {words}")
+
+
 def test_interior_equilibrium_of_the_amplitude_equations_agrees_with_the_subtypes():
     # r_j'/r_j = mu_j + ...: in the difficult case the interior equilibrium can have a zero trace with positive
     # determinant (a Hopf point: a three-torus) only where theta delta > 1, that is in I, II and VI
