@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from tests.cli.calls import call
 
 FOLDER = Path(__file__).parents[3] / "examples" / "auto"
-WITH_ORBITS = ("ffn", "lor", "rev")
+WITH_ORBITS = ("ffn", "kdv3", "lor", "rev")
 
 
 @cache

@@ -59,3 +59,30 @@ def test_antisymmetric_orbits_are_those_of_another_solver():
     found = solve_bvp(lambda _, z: [z[1], z[2], z[3], z[0] ** 3 - z[0]], ends, t[keep], guess[:, keep], tol=1e-6)
     assert found.success
     assert abs(found.y[1, -1]) == pytest.approx(abs(point["values"]["v.min"]), rel=1e-6)
+
+
+def test_three_pulses_are_those_of_another_solver():
+    """kdv3 at b = 0, by scipy's collocation: from the unstable eigenspace of rest to p = r = 0 in the middle pulse."""
+    (wave,) = result_of("kdv3")["branches"]
+    assert {end["reason"] for end in wave["ends"]} == {"bound"}
+    point = next(p for p in wave["points"] if p["type"] == "UZ")
+    orbit = {name: np.array(values) for name, values in point["orbit"].items()}
+    matrix = np.array([[0, 0, 1, 0], [3, 0, 0, 0], [0, 0, 0, 7.5], [0, -1, 0, 0.0]])
+    values, vectors = np.linalg.eig(matrix.T)
+    away = vectors[:, np.argmin(values.real)]
+    low = orbit["q"] < 0.9 * orbit["q"].min()
+    assert np.sum(np.diff(low.astype(int)) == 1) == 3
+    middle = int(np.argmin(np.abs(orbit["p"]) + np.abs(orbit["r"]) + 10 * ~low))
+    t, guess = orbit["t"][: middle + 1], np.array([orbit[name][: middle + 1] for name in "qprs"])
+    keep = np.append(np.diff(t) > 0, True)
+
+    def rates(_, z):
+        q, p, r, s = z
+        return [r, 1.5 * q**2 + 3 * q - r**2 / 2, 7.5 * s, -p - q * r]
+
+    ends = lambda a, b: [away.real @ a, away.imag @ a, b[1], b[2]]  # noqa: E731
+    found = solve_bvp(rates, ends, t[keep], guess[:, keep], tol=1e-6, max_nodes=20000)
+    assert found.success
+    assert found.y[0, -1] == pytest.approx(orbit["q"][middle], rel=1e-6)
+    outer, theirs = int(np.argmin(orbit["q"][: middle // 2])), found.sol(t)[0]
+    assert theirs[outer] == pytest.approx(orbit["q"][outer], rel=1e-5)
