@@ -50,9 +50,16 @@ def vector_routine(name: str, expressions: Sequence[Expression], layout: Layout)
     return _vector(name, expressions, layout, 0)
 
 
-def form_routine(name: str, expressions: Sequence[Expression], layout: Layout, order: int) -> Routine:
-    """(u, p, v_1, ..., v_k, out): the k-th derivative along k directions, each (n + m,)."""
+def form_routine(
+    name: str, expressions: Sequence[Expression], layout: Layout, order: int, of_states: bool = False
+) -> Routine:
+    """(u, p, v_1, ..., v_k, out): the k-th derivative along k directions, each (n + m,).
+
+    of_states : of directions whose components along `layout.others` are zero.
+    """
     directions = [direction_symbols(k + 1, len(layout.names)) for k in range(order)]
+    if of_states:
+        directions = [[*d[: len(layout.states)], *[ZERO] * len(layout.others)] for d in directions]
     return _vector(name, directional(expressions, layout.names, directions), layout, order)
 
 

@@ -30,6 +30,8 @@ from contin.symbolic.passes.index_one import index_one
 
 TIME: Final = "t"
 COMPILED_AT_ONCE: Final = 400  # formulas with fewer nodes: all basic functions in one module, cheaper than one by one
+LONG: Final = 4  # forms of so many directions and more know whether these leave the parameters alone
+OF_STATES: Final = "s"
 BASIC: Final = ("value", "jacobian", "observe", "switches")
 
 
@@ -223,15 +225,20 @@ class CompiledSystem:
         if not directions:
             return self.value(u, p)
         vectors = [self._direction(v) for v in directions]
-        call = self._call(f"form{len(vectors)}", 3 + len(vectors))
+        call = self._call(self._form(vectors), 3 + len(vectors))
         if not any(v.dtype.kind == "c" for v in vectors):
             return self._calls.form(call, u, p, vectors)
         return _multilinear(lambda parts: self._calls.form(call, u, p, parts), vectors)
 
     def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
         """`derivative` at N points, (N, n): u (N, n), p (N, p_size), k >= 1 directions (N, n + p_size)."""
-        call = self._call(f"form{len(directions)}", 3 + len(directions))
+        call = self._call(self._form(directions), 3 + len(directions))
         return _multilinear(lambda parts: self._calls.forms(call, u, p, parts), directions)
+
+    def _form(self, directions: Sequence[Vector]) -> str:
+        """Name of the routine: of long forms along states alone, one without the parameters' many terms."""
+        alone = len(directions) >= LONG and not any(np.any(d[..., self.n :]) for d in directions)
+        return f"form{len(directions)}" + OF_STATES * alone
 
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2f(z)[v, .], (n, n + p_size), for one direction v (n + p_size,), real or complex."""
@@ -339,7 +346,8 @@ class CompiledSystem:
             return vector_routine(name, expressions, self.layout) if expressions else None
         if name == "gradient":
             return gradient_routine(name, self._equations, self.layout)
-        return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
+        order = int(name.removeprefix("form").removesuffix(OF_STATES))
+        return form_routine(name, self._equations, self.layout, order, name.endswith(OF_STATES))
 
 
 def massless_at(vanishing: Sequence[VanishingMass], determinants: Array) -> str:

@@ -301,3 +301,20 @@ def test_derivatives_at_many_points_are_those_at_each(order):
     directions = [v, v.conj(), generator.normal(size=(5, 3))][:order]
     expected = np.array([system.derivative(*row) for row in zip(u, p, *directions, strict=True)])
     np.testing.assert_allclose(system.derivatives(u, p, *directions), expected, rtol=1e-13, atol=1e-13)
+
+
+def test_long_forms_along_states_alone_are_those_of_all_directions():
+    """By linearity: D^5[.., v + w] - D^5[.., w] with w along a parameter, for one and for many points."""
+    equations = {"x": "a*sin(x*y)*exp(-b*y) + x^6*b", "y": "x*y^4/(1 + a*x^2)"}
+    model = Model("m", states={"x": 0.3, "y": 0.7}, parameters={"a": 0.4, "b": 1.2}, equations=equations)
+    system, u, p = compile_system(model), np.array([0.3, 0.7]), np.array([0.4, 1.2])
+    along = np.zeros((5, 4))
+    along[:, :2] = np.random.default_rng(2).normal(size=(5, 2))
+    other = np.array([0.0, 0.0, 0.6, -0.3])
+    alone = system.derivative(u, p, *along)
+    both, rest = (system.derivative(u, p, *along[:4], last) for last in (along[4] + other, other))
+    assert alone == pytest.approx(both - rest, rel=1e-12)
+    rows = system.derivatives(np.tile(u, (3, 1)), np.tile(p, (3, 1)), *[np.tile(v, (3, 1)) for v in along])
+    assert rows == pytest.approx(np.tile(alone, (3, 1)), rel=1e-14)
+    routines = {name: system.statements(name) for name in ("form5", "form5s")}
+    assert routines["form5s"] < 0.5 * routines["form5"]
