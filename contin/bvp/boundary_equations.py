@@ -17,7 +17,7 @@ from contin.errors import InputError
 from contin.kernels.boundary_march import Conditions, new_conditions
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.mesh.layout import Profile, profile_of, sizes_of, trimmed
+from contin.problems.orbits.mesh.layout import Profile, at_places, of_one_mesh, profile_of, sizes_of, trimmed
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
 LONGEST_CHUNK = 300
@@ -42,6 +42,7 @@ class BoundaryEquations(Problem):
     spaces: dict[int, Workspace] = field(default_factory=dict)
     kind = "bvp"
     adaptive = True
+    has_shared_places = True
     locus = None
     closed = False
     maximum_chunk = LONGEST_CHUNK
@@ -122,8 +123,13 @@ class BoundaryEquations(Problem):
 
     def at_shared_places(self, z: Array, values: Array) -> Array:
         """At `PLACES` places of the interval, (places, n)."""
-        mesh = self.profile(z)
-        return replace(mesh, u=self.profile(values[-trimmed(z).size :]).u).at(np.linspace(0.0, 1.0, PLACES))
+        return at_places(self.points, self.profile(values[-trimmed(z).size :]).u, self.profile(z).h, PLACES)
+
+    def of_one_mesh(self, one: Array, other: Array) -> bool:
+        return of_one_mesh(self.profile(one), self.profile(other))
+
+    def on_mesh_of(self, z: Array, other: Array) -> Array:
+        return self.profile(z).on_mesh(self.profile(other).h).vector()
 
     def profile(self, z: Array) -> Profile:
         return profile_of(z, self.n, self.points)

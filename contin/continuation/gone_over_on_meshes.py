@@ -1,7 +1,9 @@
 """Whether a branch of functions has gone over to another one without a label, as `contin.continuation.gone_over` asks.
 
 Rows are functions on meshes of their own. Each is asked by its mean square over the interval, in what it is at places
-that all rows share; so are the solutions that are compared at the parameter of the last row before.
+that all rows share. On one mesh, solutions are those of one set of equations, whose branches differ from those of the
+functions, but which are known to rounding; so two solutions are compared on one mesh, at the parameter of the last row
+before. Only from one mesh to another the error of meshes counts.
 """
 
 from __future__ import annotations
@@ -13,13 +15,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.gone_over import APART, RETURNED, VANISHED, first_beyond, followed, suspicious, way_back
+from contin.continuation.gone_over import (
+    APART,
+    ASIDE,
+    CLEAR,
+    LED,
+    LEFT,
+    RETURNED,
+    VANISHED,
+    first_beyond,
+    followed,
+    suspicious,
+    way_back,
+)
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
+from contin.continuation.singular_between import singular_between
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
-CLEAR: Final = 10.0  # times the estimated error of a mesh: a difference that is none of it
-LEFT: Final = 1e-8  # of a function's size: what the corrector leaves in rows
+SOLVED: Final = 1e-9  # of a function's size: what the corrector leaves in rows, on one mesh
+ROUNDED: Final = 1e-12  # of a function's size: rounding of solutions
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes four solutions, or some thirty
 
 
@@ -30,8 +45,7 @@ def gone_over_on_meshes(
 
     labelled : rows of special points, where branches meet.  bounds : of the parameter, for the metric.
     """
-    functions = np.array([problem.at_shared_places(row, row) for row in z])
-    slopes = np.array([problem.at_shared_places(row, t) for row, t in zip(z, tangents, strict=True)])
+    functions, slopes = (problem.rows_at_shared_places(z, values) for values in (z, tangents))
     sizes = np.abs(functions).max(axis=(0, 1))
     sizes[sizes == 0.0] = 1.0
     width = bounds[1] - bounds[0]
@@ -46,9 +60,16 @@ def gone_over_on_meshes(
 
     y, t = flat(functions, z[:, -1]), flat(slopes, tangents[:, -1])
 
-    def strange(rows: NDArray[np.intp], sense: int) -> list[int]:
-        steps = suspicious(y[rows], sense * t[rows], NOISE, alone) & (alone(y[rows[:-1]]) > NOISE)
-        return [int(k) for k in np.flatnonzero(steps[:, :-1].any(axis=1))]
+    def beyond(rows: NDArray[np.intp], sense: int, noise: float) -> Array:
+        steps = suspicious(y[rows], sense * t[rows], noise, alone) * (alone(y[rows[:-1]]) > noise)
+        return np.asarray(steps[:, :-1].max(axis=1, initial=0.0))
+
+    def strange(rows: NDArray[np.intp], sense: int) -> Array:
+        steps = beyond(rows, sense, SOLVED)
+        moved = [k for k in np.flatnonzero(steps) if not problem.of_one_mesh(z[rows[k]], z[rows[k + 1]])]
+        if moved:
+            steps[moved] = beyond(rows, sense, NOISE)[moved]
+        return steps
 
     def two(rows: NDArray[np.intp]) -> bool:
         steps = ([a, b] for a, b in pairwise(rows))
@@ -61,16 +82,20 @@ def gone_over_on_meshes(
 
 def on_one_curve(problem: Problem, z: Array, tangents: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
     """True where solutions inside a step are those of a smooth branch through its two rows z, raw tangents beside."""
-    here = z[0][np.isfinite(z[0])]
+    here, there = (row[np.isfinite(row)] for row in z)
     width = float(z[1, -1] - z[0, -1])
     if np.any(tangents[:, -1] == 0.0) or width == 0.0:
         return False
     values = [problem.at_shared_places(row, row) for row in z]
     rise, fall = (width * problem.at_shared_places(row, t) / t[-1] for row, t in zip(z, tangents, strict=True))
-    noise = max(LEFT, *(CLEAR * problem.mesh_error(row[np.isfinite(row)], sizes) for row in z))
+    noise = SOLVED
+    sizes_there = problem.initial_scale(problem.on_mesh_of(there, here), bounds)
+    scale = np.maximum(problem.initial_scale(here, bounds), sizes_there)
+    if not problem.of_one_mesh(here, there):
+        noise = max(noise, *(CLEAR * problem.mesh_error(row, sizes) for row in (here, there)))
     first = width * tangents[0, -here.size :] / tangents[0, -1]
     return on_cubic(
-        problem, Step(here, first, width, problem.initial_scale(here, bounds)), (values[0], values[1]), (rise, fall),
+        problem, Step(here, first, width, scale), (values[0], values[1]), (rise, fall),
         lambda found: problem.at_shared_places(found, found), _size, noise * sizes,
     )  # fmt: skip
 
@@ -78,31 +103,39 @@ def on_one_curve(problem: Problem, z: Array, tangents: Array, sizes: Array, boun
 def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
     """True where the solution at the last of some rows goes back, by their parameters, to another than the first."""
     here, there = (row[np.isfinite(row)] for row in (z[0], z[-1]))
-    first = problem.at_parameter(here.copy(), float(here[-1]), problem.initial_scale(here, bounds))
-    if first is None:
-        return False
-    scale = problem.initial_scale(there, bounds)
-    places = way_back(z[::-1, -1])
+    start = problem.on_mesh_of(here, there)
+    scale = np.maximum(problem.initial_scale(there, bounds), problem.initial_scale(start, bounds))
 
     def length(found: Array, change: Array) -> Array:
         return _size(problem.at_shared_places(found, change))
 
-    at, hop = followed(problem, there, places, scale, length)
-    if at is None:
+    def apart(one: Array, other: Array) -> Array:
+        return _size(problem.apart_at_shared_places(one, other))
+
+    first = problem.at_parameter(start.copy(), float(here[-1]), scale)
+    last = problem.at_parameter(there.copy(), float(there[-1]), scale)
+    if first is None or last is None or first.size != last.size:
         return False
-    one, other, own, row = (problem.at_shared_places(v, v) for v in (there, at, first, here))
-    moved, apart, size = _size(own - one), _size(other - own), _size(own)
-    noise = max(NOISE, *(CLEAR * problem.mesh_error(v, sizes) for v in (there, first)))
-    away = (apart > APART * moved) & (moved > noise * sizes) & (hop < APART * apart)
-    falls = (_size(one) < VANISHED * size) & (_size(other) < VANISHED * size)
-    falls &= (_size(own - row) < APART * _size(row)) & (size > noise * sizes)
-    if not np.any(away | falls):
+    nearby = problem.at_parameter(first + ASIDE * (there - first), float(here[-1]), scale)
+    places = way_back(z[::-1, -1])
+    at, hop = followed(problem, last, places, scale, length)
+    if nearby is None:
+        return False
+    known = np.maximum(CLEAR * apart(nearby, first), ROUNDED * sizes)
+    moved = apart(first, last)
+    if at is None or np.any((hop > LED * moved) & (moved > known)):
+        return singular_between(problem, first, last, scale, lambda change: length(first, change), known)
+    gap = apart(at, first)
+    own, one, other = (length(v, v) for v in (first, last, at))
+    away = (gap > APART * moved) & (moved > known) & (hop < APART * gap)
+    falls = (one < VANISHED * own) & (other < VANISHED * own) & (own > known)
+    far = np.maximum(gap, apart(at, last))
+    kept = apart(first, start) < APART * moved  # the row before is the solution that is asked
+    allowed = np.maximum(known, SOLVED * sizes)
+    if not np.any((away | falls) & kept) or np.any(apart(last, there) > np.maximum(LEFT * far, allowed)):
         return False
     again, _ = followed(problem, at, [*places[-2::-1], float(there[-1])], scale, length)
-    if again is None:
-        return False
-    off = _size(problem.at_shared_places(again, again) - one)
-    return bool(np.all(off <= np.maximum(RETURNED * _size(other - one), noise * sizes)))
+    return again is not None and bool(np.all(apart(again, last) <= np.maximum(RETURNED * far, allowed)))
 
 
 def _size(functions: Array) -> NDArray[np.float64]:

@@ -104,6 +104,7 @@ class Problem(ABC):
         born at a point is not the problem's: `contin.transitions` has a table for it.
     """
 
+    has_shared_places = False  # its rows are functions, whose values `at_shared_places` are compared
     adaptive = False  # its unknowns change their meaning along a branch: a mesh that follows the solution
     may_stand = False  # it knows that its parameter may be constant along a branch, and what ends that then
     multiplied_out = False  # multipliers of orbits are those of one matrix: beside a large one others are rounding
@@ -212,6 +213,22 @@ class Problem(ABC):
     def at_shared_places(self, z: Array, values: Array) -> Array:
         """Of branches of functions: values (like z, on its mesh) at places that all rows share, (places, functions)."""
         raise NotImplementedError(f"{type(self).__name__} has no functions that are compared on different meshes")
+
+    def rows_at_shared_places(self, z: Array, values: Array) -> Array:
+        """The same of rows z (K, N) and values like them, (K, places, functions)."""
+        return np.array([self.at_shared_places(*row) for row in zip(z, values, strict=True)])
+
+    def apart_at_shared_places(self, one: Array, other: Array) -> Array:
+        """one - other at places that all rows share, (places, functions), of unknowns on one mesh."""
+        return self.at_shared_places(one, one - other)
+
+    def of_one_mesh(self, one: Array, other: Array) -> bool:
+        """Whether two rows are functions on the same mesh."""
+        return True
+
+    def on_mesh_of(self, z: Array, other: Array) -> Array:
+        """The functions z, interpolated, on the mesh of another row."""
+        return z
 
     def mesh_error(self, z: Array, sizes: Array) -> float:
         """The estimated error of a solution by its mesh, relative to sizes of its functions; 0 where there is none."""

@@ -49,7 +49,7 @@ OVER: Final = (
     "the branch has gone over to another one beside it: where the two meet is not labelled, and what lies beyond on "
     "the first one is not followed"
 )
-NOISE: Final = 1e-8  # scaled: what the corrector leaves in rows
+NOISE: Final = 1e-12  # scaled: rounding of rows
 TURNED: Final = "the parameter turns between two rows without a label: at a corner, or from one branch to another"
 Watcher = Callable[[Record], None]
 
@@ -255,17 +255,17 @@ def _astray(
     if departure.seed.passing or in_two_parameters(problem):
         return []
     born, jumps = special
-    if problem.adaptive and problem.kind not in ("orbit", "bvp"):  # how far end values depend on the mesh is unknown
-        return []
+    if problem.adaptive and problem.kind != "orbit" and not problem.has_shared_places:
+        return []  # how far end values depend on the mesh is unknown
     if problem.adaptive:
         over: list[int] = []
         errors: list[str] = []
         known = {*born, *(row for row, _, _ in labels)}
         with contained(errors.append):
-            if problem.kind == "orbit":
-                over = gone_level(problem, z, columns, start, known, bounds)
-            else:
+            if problem.has_shared_places:
                 over = gone_over_on_meshes(problem, z, tangents, start, known, bounds)
+            else:
+                over = gone_level(problem, z, columns, start, known, bounds)
         return [*errors, *(f"{OVER} near {position(problem, z[row])} (row {row})" for row in over)]
     turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
     over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale, NOISE)

@@ -15,6 +15,7 @@ from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.algebraic_states import finite_multipliers
 from contin.problems.moved_along import distance_name
 from contin.problems.one_parameter import InOneParameterProblem
@@ -92,6 +93,27 @@ class FamilyOfOrbits(InOneParameterProblem):
         p[: len(self.base)] = self.base
         p[self.active] = z[-1]
         return p
+
+    @property
+    def has_shared_places(self) -> bool:  # type: ignore[override]
+        """Not where the flow has corners: families of orbits have some of their own there."""
+        return not self.system.n_switches
+
+    def apart_at_shared_places(self, one: Array, other: Array) -> Array:
+        """one - other there, less what a shift in time makes of it."""
+        apart = self.at_shared_places(one, one - other)
+        if not self.autonomous:
+            return apart
+        n = len(self.winding)
+        u, period = np.split(self.at_shared_places(one, one), [n], axis=1)
+        speed = period * self.system.values(u, np.tile(self.full_parameters(one), (len(u), 1)))
+        sizes = np.max(np.abs([u, u - apart[:, :n], speed]), axis=(0, 1))
+        speed /= np.where(sizes > 0.0, sizes, 1.0)
+        length = float(np.sum(elementary.square(speed)))
+        if length > 0.0:
+            shift = float(np.sum(speed * apart[:, :n] / np.where(sizes > 0.0, sizes, 1.0))) / length
+            apart[:, :n] -= shift * speed * sizes
+        return apart
 
     @property
     def closed(self) -> bool:

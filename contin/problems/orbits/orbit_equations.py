@@ -15,10 +15,12 @@ from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing_period import ForcingPeriod
 from contin.problems.orbits.measured.measures import Measures
-from contin.problems.orbits.mesh.layout import Profile, profile_of, sizes_of
+from contin.problems.orbits.mesh.adaption import estimate
+from contin.problems.orbits.mesh.layout import Profile, of_one_mesh, profile_of, rows_at_places, sizes_of
 from contin.problems.orbits.mesh.sizes import state_sizes
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
+PLACES = 11  # at which orbits of different rows are compared
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 
 
@@ -67,6 +69,22 @@ class OrbitEquations(FamilyOfOrbits):
     @abstractmethod
     def width_at_birth(self) -> float:
         """Scale of the parameter of a family that was born at a Hopf point."""
+
+    def at_shared_places(self, z: Array, values: Array) -> Array:
+        """States, and the period beside them, at `PLACES` places of the period, (places, n + 1)."""
+        return np.asarray(self.rows_at_shared_places(z[None], values[None, -z.size :])[0])
+
+    def rows_at_shared_places(self, z: Array, values: Array) -> Array:
+        return rows_at_places(self.points, self.n, z, values, PLACES)
+
+    def of_one_mesh(self, one: Array, other: Array) -> bool:
+        return of_one_mesh(self.profile(one), self.profile(other))
+
+    def on_mesh_of(self, z: Array, other: Array) -> Array:
+        return self.profile(z).on_mesh(self.profile(other).h).vector()
+
+    def mesh_error(self, z: Array, sizes: Array) -> float:
+        return estimate(self.profile(z), sizes[: self.n])[0]
 
     @property
     def resolution(self) -> float:

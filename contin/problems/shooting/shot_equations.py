@@ -39,6 +39,21 @@ class ShotEquations(ShotFamily):
         """The orbit sampled over one period."""
         return sampled(self, z)
 
+    def at_shared_places(self, z: Array, values: Array) -> Array:
+        """States, and the period beside them, at the nodes, (M, n + 1)."""
+        part = Nodes.of(values, self.n)
+        return np.column_stack([part.u, np.full(part.count, part.period)])
+
+    def of_one_mesh(self, one: Array, other: Array) -> bool:
+        return bool(np.all(self._plane(one) == self._plane(other)))
+
+    def on_mesh_of(self, z: Array, other: Array) -> Array:
+        """The orbit z, its phase fixed by the plane of another one."""
+        return np.concatenate([z[: -self.n - 2], self._plane(other), z[-1:]])
+
+    def _plane(self, z: Array) -> Array:
+        return np.asarray(z[-self.n - 2 : -1])
+
     def state_sizes(self, profile: Profile) -> Array:
         """Typical size of every state on an orbit, (n,)."""
         return state_sizes(self, profile)

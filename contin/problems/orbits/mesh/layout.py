@@ -8,6 +8,7 @@ length.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,6 +114,40 @@ def node_weights(h: Array, m: int) -> Array:
     weights[:-1] = local[:, :-1].ravel()
     weights[m::m] += local[:, -1]
     return weights
+
+
+def of_one_mesh(one: Profile, other: Profile) -> bool:
+    return len(one.h) == len(other.h) and bool(np.all(one.h == other.h))
+
+
+def at_places(m: int, u: Array, h: Array, count: int) -> Array:
+    """Values (count, k) at equally spaced scaled times, both ends among them, of u at the nodes of the mesh h."""
+    return _to_places(m, h.tobytes(), count)(u)
+
+
+@lru_cache(maxsize=4)  # rows in turn have the same mesh
+def _to_places(m: int, mesh: bytes, count: int) -> Transfer:
+    return Transfer.to_times(m, np.frombuffer(mesh), np.linspace(0.0, 1.0, count))
+
+
+def rows_at_places(m: int, n: int, z: Array, values: Array, count: int) -> Array:
+    """(K, count, n) of the functions, and (K, count, 1) of the period beside them, of rows z and values like them."""
+    sizes = z.shape[1] - np.isnan(z).sum(axis=1)
+    intervals = (sizes - n - 2) // (m * n + 1)
+    out, same = np.empty((len(z), count, n + 1)), np.append(sizes[1:] == sizes[:-1], False)
+    for number in np.unique(intervals).tolist():
+        rows = np.flatnonzero(same & (intervals == number))
+        same[rows] = np.all(z[rows, -1 - number : -1] == z[rows + 1, -1 - number : -1], axis=1)
+    first = 0
+    for row in (np.flatnonzero(~same) + 1).tolist():
+        number, part = int(intervals[first]), values[first:row, -int(sizes[first]) :]
+        transfer = _to_places(m, np.ascontiguousarray(z[first, -1 - number : -1]).tobytes(), count)
+        nodes = (number * m + 1) * n
+        u = part[:, :nodes].reshape(row - first, -1, n)
+        out[first:row, :, :n] = (transfer.weights[:, None] @ u[:, transfer.nodes])[:, :, 0]
+        out[first:row, :, n] = part[:, nodes, None]
+        first = row
+    return out
 
 
 def trimmed(z: Array) -> Array:
