@@ -399,7 +399,7 @@ def march(
             return what
         if loop_z.size > 0 and passes_start(z, out_z[k], loop_z, loop_tangent, seen, periods, scale, h_used):
             return LOOP
-        if kind == HOPF and z[size - 3] < 0.0 and is_aligned(z, n, scale):
+        if kind == HOPF and z[size - 2] < 0.0 and is_aligned(z, n, scale):
             return LIMIT  # the next chunk begins with another v
         for j in range(size):
             if growing[j] > 0.0 and abs(z[j]) > RESCALE_AT * scale[j]:
