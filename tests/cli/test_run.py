@@ -167,7 +167,7 @@ def test_an_output_folder_that_is_missing_is_found_before_computing(tmp_path, ca
     assert "there is no folder" in capsys.readouterr().err
 
 
-def test_points_of_codimension_two_state_the_errors_of_both_parameters(tmp_path):
+def test_points_of_codimension_two_state_the_errors_of_both_parameters_and_the_states(tmp_path):
     """x' = p - 0.1 + (q - 0.2) x - x^3 has its cusp at (0.1, 0.2)."""
     model = {
         "contin": 1, "name": "cusp", "states": {"x": 1.0}, "parameters": {"p": 0.1, "q": 1.2},
@@ -183,9 +183,10 @@ def test_points_of_codimension_two_state_the_errors_of_both_parameters(tmp_path)
     assert set(on_line) == {"LP1", "LP2"}
     assert all("errors" not in point for point in on_line.values())
     cusp = points(document, "folds")["CP1"]
-    assert set(cusp["errors"]) == {"p", "q"}
+    assert set(cusp["errors"]) == {"p", "q", "x"}
     assert cusp["errors"]["p"] == cusp["error"]
     for name, exact in (("p", 0.1), ("q", 0.2)):
         assert abs(cusp["values"][name] - exact) <= cusp["errors"][name] < 1e-9
+    assert abs(cusp["values"]["x"]) <= cusp["errors"]["x"] < 1e-4
     stored = contin.read(saved)["folds"]["CP1"]
     assert stored.errors == cusp["errors"]
