@@ -169,7 +169,7 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     places = way_back(z[::-1, -1])
     at, hop = followed(problem, last, places, scale)
     if at is None or np.any((hop[:-1] > LED * np.abs(first - last)[:-1]) & (np.abs(first - last) > known)[:-1]):
-        return singular_between(problem, first, last, scale, lambda change: np.abs(change)[:-1], known[:-1])
+        return singular_between(problem, first, last, scale, lambda one, other: np.abs(one - other)[:-1], known[:-1])
     far = np.maximum(np.abs(at - last), np.abs(at - first))
     if np.any(np.abs(last - there) > np.maximum(LEFT * far, np.maximum(known, SOLVED * scale))):
         return False

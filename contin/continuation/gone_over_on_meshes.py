@@ -35,7 +35,9 @@ from contin.continuation.singular_between import singular_between
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
 SOLVED: Final = 1e-9  # of a function's size: what the corrector leaves in rows, on one mesh
 ROUNDED: Final = 1e-12  # of a function's size: rounding of solutions
-MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes four solutions, or some thirty
+MOST: Final = 20  # suspicious steps of an arm that are looked at: each takes four solutions, or some thirty; ...
+LARGE: Final = 4000  # ... of more unknowns than so many as fewer as these are more, the strangest
+FEWEST: Final = 2
 
 
 def gone_over_on_meshes(
@@ -46,8 +48,11 @@ def gone_over_on_meshes(
     labelled : rows of special points, where branches meet.  bounds : of the parameter, for the metric.
     """
     functions, slopes = (problem.rows_at_shared_places(z, values) for values in (z, tangents))
-    sizes = np.abs(functions).max(axis=(0, 1))
-    sizes[sizes == 0.0] = 1.0
+    sizes, row = np.abs(functions).max(axis=(0, 1)), z[start][np.isfinite(z[start])]
+    natural = np.ones(len(sizes))
+    known = problem.sizes(row, problem.initial_scale(row, bounds))
+    natural[: len(known)] = known
+    sizes = np.where(sizes > ROUNDED * natural, sizes, natural)  # not those of a zero with rounding errors
     width = bounds[1] - bounds[0]
 
     def flat(values: Array, p: Array) -> Array:
@@ -77,7 +82,8 @@ def gone_over_on_meshes(
             return False
         return _are_two(problem, z[rows], sizes, bounds)
 
-    return first_beyond(len(z), start, labelled, strange, two, MOST)
+    most = int(np.clip(MOST * LARGE / z.shape[1], FEWEST, MOST))
+    return first_beyond(len(z), start, labelled, strange, two, most)
 
 
 def on_one_curve(problem: Problem, z: Array, tangents: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
@@ -124,7 +130,7 @@ def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, floa
     known = np.maximum(CLEAR * apart(nearby, first), ROUNDED * sizes)
     moved = apart(first, last)
     if at is None or np.any((hop > LED * moved) & (moved > known)):
-        return singular_between(problem, first, last, scale, lambda change: length(first, change), known)
+        return singular_between(problem, first, last, scale, apart, known)
     gap = apart(at, first)
     own, one, other = (length(v, v) for v in (first, last, at))
     away = (gap > APART * moved) & (moved > known) & (hop < APART * gap)

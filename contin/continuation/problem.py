@@ -214,6 +214,10 @@ class Problem(ABC):
         """Of branches of functions: values (like z, on its mesh) at places that all rows share, (places, functions)."""
         raise NotImplementedError(f"{type(self).__name__} has no functions that are compared on different meshes")
 
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """Of branches of functions: their sizes (n,) in a metric that belongs to z."""
+        raise NotImplementedError(f"{type(self).__name__} has no functions with sizes")
+
     def rows_at_shared_places(self, z: Array, values: Array) -> Array:
         """The same of rows z (K, N) and values like them, (K, places, functions)."""
         return np.array([self.at_shared_places(*row) for row in zip(z, values, strict=True)])

@@ -25,13 +25,14 @@ RETURNED: Final = 1e-2  # of how far apart they are: where the way back begins, 
 
 
 def singular_between(
-    problem: Problem, first: Array, last: Array, scale: Array, size: Callable[[Array], Array], known: Array
+    problem: Problem, first: Array, last: Array, scale: Array, apart: Callable[[Array, Array], Array], known: Array
 ) -> bool:
     """True where two solutions are of two branches that come together between them.
 
-    size : (k,) of a difference of solutions, in what is asked each by itself.  known : (k,) to which they are known.
+    apart : (k,) how far two solutions are from each other, in what is asked each by itself.
+    known : (k,) how far each is known.
     """
-    ends = _halved(problem, first, last, scale, size, known)
+    ends = _halved(problem, first, last, scale, apart, known)
     if ends is None:
         return False
     low, high = ends
@@ -42,24 +43,26 @@ def singular_between(
         other = problem.at_parameter(high[0] - (far + 1.0) * width * high[1], place, scale)
         if own is None or other is None:
             return False
-        gap, moved = size(other - own), size(own - high[0])
+        gap, moved = apart(other, own), apart(own, high[0])
         if not np.any((gap > APART * moved) & (gap > CLEAR * known)):
             continue
         again = problem.at_parameter(other + (far + 1.0) * width * high[1], float(high[0][-1]), scale)
-        if again is not None and np.all(size(again - high[0]) <= np.maximum(RETURNED * gap, known)):
+        if again is not None and np.all(apart(again, high[0]) <= np.maximum(RETURNED * gap, known)):
             return True
     return False
 
 
 def _halved(
-    problem: Problem, first: Array, last: Array, scale: Array, size: Callable[[Array], Array], known: Array
+    problem: Problem, first: Array, last: Array, scale: Array, apart: Callable[[Array, Array], Array], known: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]] | None:  # fmt: skip
     """Solutions on both sides of a short part of the step, each with its slope; None where there are none."""
-    whole, width = size(last - first), float(last[-1] - first[-1])
+    whole, width = apart(last, first), float(last[-1] - first[-1])
     asked = whole > CLEAR * known
     before = problem.at_parameter(first.copy(), float(first[-1]) - OUTSIDE * width, scale)
     behind = problem.at_parameter(last.copy(), float(last[-1]) + OUTSIDE * width, scale)
     if not asked.any() or before is None or behind is None:
+        return None
+    if np.any(np.maximum(apart(first, before), apart(behind, last))[asked] > whole[asked]):  # of a branch that turns
         return None
     low, high = (first, (first - before) / (OUTSIDE * width)), (last, (behind - last) / (OUTSIDE * width))
     for _ in range(HALVINGS):
@@ -68,7 +71,7 @@ def _halved(
         middle = problem.at_parameter(ahead.copy(), float(ahead[-1]), scale)
         if middle is None:
             return None
-        off, beside = (float(np.max(size(middle - v)[asked] / whole[asked])) for v in (ahead, back))
+        off, beside = (float(np.max(apart(middle, v)[asked] / whole[asked])) for v in (ahead, back))
         if beside >= NEARER * off:
             low = (middle, (middle - low[0]) / width)
         else:

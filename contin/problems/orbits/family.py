@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 SAME_PERIOD = 1e-5  # relative
 SAME_EXTENT = 2e-3  # relative: extents of sampled orbits are so accurate; nearby folds of one family differ by more
+ROUNDED = 1e-12  # of a state's size: rounding of solutions
 
 
 def alike(one: Profile, other: Profile, winding: Array, periods: Array) -> bool:
@@ -107,11 +108,13 @@ class FamilyOfOrbits(InOneParameterProblem):
         n = len(self.winding)
         u, period = np.split(self.at_shared_places(one, one), [n], axis=1)
         speed = period * self.system.values(u, np.tile(self.full_parameters(one), (len(u), 1)))
+        natural = self.sizes(one, self.initial_scale(one, (float(one[-1]), float(one[-1]) + 1.0)))
         sizes = np.max(np.abs([u, u - apart[:, :n], speed]), axis=(0, 1))
-        speed /= np.where(sizes > 0.0, sizes, 1.0)
+        sizes = np.where(sizes > ROUNDED * natural, sizes, natural)  # a zero with rounding errors says nothing
+        speed /= sizes
         length = float(np.sum(elementary.square(speed)))
         if length > 0.0:
-            shift = float(np.sum(speed * apart[:, :n] / np.where(sizes > 0.0, sizes, 1.0))) / length
+            shift = float(np.sum(speed * apart[:, :n] / sizes)) / length
             apart[:, :n] -= shift * speed * sizes
         return apart
 

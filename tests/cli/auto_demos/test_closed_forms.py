@@ -165,3 +165,9 @@ def test_folds_beside_a_canard_are_told_to_within_their_errors(capsys):
     folds = [p for p in branches_of("fhn")["cycles"]["points"] if p["type"] == "LPC"]
     first, second = (p["values"]["a"] for p in folds)
     assert abs(first + second) < sum(p["error"] for p in folds) < 1e-9  # (x, y, a) -> -(x, y, a)
+
+
+@pytest.mark.parametrize("demo", ["pp3", "plp"])
+def test_families_that_go_over_to_no_other_one_are_not_said_to(demo, tmp_path):
+    """A state that is zero but for rounding (pp3), and solutions shifted in time (plp), are no other branches."""
+    assert call("run", str(FOLDER / f"{demo}.yaml"), "--quiet", "--json", str(tmp_path / "out.json")) == 0
