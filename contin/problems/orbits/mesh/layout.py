@@ -125,7 +125,7 @@ def at_places(m: int, u: Array, h: Array, count: int) -> Array:
     return _to_places(m, h.tobytes(), count)(u)
 
 
-@lru_cache(maxsize=4)  # rows in turn have the same mesh
+@lru_cache(maxsize=64)  # rows in turn have the same mesh, and tangents are asked after all rows
 def _to_places(m: int, mesh: bytes, count: int) -> Transfer:
     return Transfer.to_times(m, np.frombuffer(mesh), np.linspace(0.0, 1.0, count))
 
