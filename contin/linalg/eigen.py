@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.linalg.vectors import norm
+from contin.kernels.long_rows import edges_of_parts
+from contin.linalg.vectors import inner, mixed, norm
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -26,6 +27,9 @@ CONVERGED = 1e-4  # relative error of an eigenvalue, for detection
 SOLVED = 1e-6  # residual of a solve; that part of an eigenvalue is lost by it
 LARGEST_BASIS = 160
 INDEPENDENT = 1e-8  # part of a vector outside of others from which it is not one of their combinations
+ORTHONORMAL = 1e-14  # by which products of rows that are may differ from 0 and 1
+OBLIQUE = 1e-3  # smallest eigenvalue of the cosines between rows that are turned all at once
+TURNS = 3
 MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
 
 
@@ -57,7 +61,8 @@ class Region:
 
     _pattern: tuple[Vector, Vector] | None = None
     _partner: Vector | None = None  # position of the entry (j, i) of each entry (i, j), where all have one
-    _diagonal: Vector | None = None
+    _starts: Vector | None = None
+    _diagonal: Vector | None = None  # position of the diagonal's entry of each column, or -1
 
     def of(self, matrix: Any) -> tuple[float, float]:
         """(R, S): eigenvalues with Re >= 0 have Re <= R and |Im| <= S (Bendixson, Gershgorin)."""
@@ -67,12 +72,8 @@ class Region:
             self._learn(matrix)
         if self._partner is None:
             return np.inf, np.inf
-        data, starts = matrix.data, matrix.indptr[:-1]
-        other = data[self._partner]
-        symmetric, skew = 0.5 * (data + other), 0.5 * np.abs(data - other)
-        size = np.abs(symmetric)
-        size[self._diagonal] = symmetric[self._diagonal]
-        return max(float(np.add.reduceat(size, starts).max()), 0.0), float(np.add.reduceat(skew, starts).max())
+        right, up = edges_of_parts(np.ascontiguousarray(matrix.data), self._partner, self._starts, self._diagonal)
+        return max(float(right), 0.0), float(up)
 
     @staticmethod
     def of_any(matrix: Any) -> tuple[float, float]:
@@ -92,9 +93,11 @@ class Region:
         transposed = numbered.T.tocsc()
         same = np.array_equal(transposed.indices, matrix.indices) and np.array_equal(transposed.indptr, matrix.indptr)
         if same and np.all(np.diff(matrix.indptr) > 0):
-            self._partner = transposed.data
+            self._partner, self._starts = transposed.data.astype(np.int64), matrix.indptr.astype(np.int64)
             columns = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-            self._diagonal = np.flatnonzero(columns == matrix.indices)
+            places = np.flatnonzero(columns == matrix.indices)
+            self._diagonal = np.full(matrix.shape[0], -1, np.int64)
+            self._diagonal[columns[places]] = places
 
 
 def leading(
@@ -153,17 +156,51 @@ def leading(
 
 
 def outside(w: Array, basis: Array) -> Array:
-    """What is left of w outside of the span of orthonormal rows; projected twice."""
+    """What is left of rows w (n,) or (k, n) outside of the span of orthonormal rows; projected twice."""
+    rows = np.array(w, ndmin=2, order="C")
     for _ in range(2):
-        w = w - np.einsum("i,ij->j", np.einsum("ij,j->i", basis, w), basis)
-    return w
+        mixed(-inner(rows, basis), basis, added_to=rows)
+    return rows.reshape(w.shape)
 
 
 def orthonormal(vectors: Array, basis: Array | None = None) -> Array:
     """Orthonormal rows that span the same, outside a basis; what depends on the others is left out.
 
-    Classical Gram-Schmidt, twice, on rows that lie one after the other in memory.
+    Rows that are far from depending on each other are turned all at once, others one by one.
     """
+    rows = np.ascontiguousarray(vectors)
+    if not len(rows):
+        return rows.copy()
+    whole = np.einsum("ij,ij->i", rows, rows)
+    if basis is not None and len(basis):
+        rows = outside(rows, basis)
+    turned = _turned(rows, whole)
+    return _one_by_one(vectors, basis) if turned is None else turned
+
+
+def _turned(rows: Array, whole: Array) -> Array | None:
+    """By Cholesky factors of their products, until these are those of orthonormal rows; None where rows depend on each
+    other, or where little is left of them beside their squared lengths `whole` before."""
+    if not np.all((whole > 0.0) & (whole < np.inf)):
+        return None
+    left = inner(rows, rows)
+    for _ in range(TURNS):
+        square = np.diagonal(left)
+        if not np.all(square > INDEPENDENT * INDEPENDENT * whole):
+            return None
+        if float(np.abs(left - np.eye(len(left))).max()) <= ORTHONORMAL:
+            return rows
+        unit = 1.0 / np.sqrt(square)
+        cosines = left * unit * unit[:, None]
+        if not float(np.linalg.eigvalsh(cosines)[0]) > OBLIQUE:
+            return None
+        rows = mixed(np.linalg.inv(np.linalg.cholesky(cosines)) * unit, rows)
+        whole, left = np.ones(len(rows)), inner(rows, rows)
+    return rows
+
+
+def _one_by_one(vectors: Array, basis: Array | None) -> Array:
+    """Gram-Schmidt, twice, on rows that lie one after the other in memory."""
     given = 0 if basis is None else len(basis)
     rows = np.empty((given + len(vectors), vectors.shape[1]))
     if basis is not None:
@@ -173,7 +210,7 @@ def orthonormal(vectors: Array, basis: Array | None = None) -> Array:
         size = norm(vector)
         if not size > 0.0:
             continue
-        w = outside(vector / size, rows[:count])
+        w = outside(vector / size, rows[:count]) if count else vector / size
         left = norm(w)
         if left > INDEPENDENT:
             rows[count] = w / left

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.linalg.eigen import Spectrum, orthonormal, outside
 from contin.linalg.linear import Linear
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import inner, mixed, norm
 from contin.machine import elementary
 
 STEPS: Final = 6.9  # as many steps of a rate of 1/e reduce errors to a thousandth
@@ -52,12 +52,12 @@ def followed(
     longer, together = 1.0 / (1.0 - rate), symmetric
     for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1 + together):
         values, ritz = _rightmost(basis, images, wanted)
-        found = [_combined(y, basis) for y in ritz]
+        found = _combined(ritz, basis)
         parts, of = _residuals(values, ritz, found, images)
         asked = np.sum(parts, axis=0)[None, :] if together else np.array(parts)
         raw = precondition(np.ascontiguousarray(asked.T)).T
         wrong = _wrong(values, found, raw, None if together else of)
-        steps = [outside(step, basis) for step in raw]
+        steps = outside(raw, basis)
         if longer * wrong <= SIGN and longer * max(norm(s) for s in steps) < ACCURACY:
             if symmetric:  # what the corrections say is still to be had: it makes all values better
                 basis, images = _wider(linear, basis, images, steps)
@@ -78,8 +78,8 @@ def improved(
     images = np.array([linear.apply(v) for v in basis])
     values, ritz = _within(basis, images, given, wanted)
     for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1):
-        parts, _ = _residuals(values, ritz, [_combined(y, basis) for y in ritz], images)
-        steps = [outside(step, basis) for step in precondition(np.column_stack(parts)).T]
+        parts, _ = _residuals(values, ritz, _combined(ritz, basis), images)
+        steps = outside(precondition(np.column_stack(parts)).T, basis)
         size = len(basis)
         basis, images = _wider(linear, basis, images, steps)
         if len(basis) == size:
@@ -92,51 +92,54 @@ def improved(
 
 def _nearest_first(values: Vector, ritz: Vector, basis: Array) -> Spectrum:
     near = np.argsort(np.abs(values))
-    vectors = np.array([_combined(ritz[k], basis) for k in near])
-    return Spectrum(values[near].astype(complex), vectors.T.astype(complex), False)
+    return Spectrum(values[near].astype(complex), _combined(ritz[near], basis).T, False)
 
 
 def _real_rows(vectors: NDArray[np.complex128]) -> Array:
     """Rows that span the same."""
-    real = not vectors.imag.any()
+    real = not np.iscomplexobj(vectors) or not vectors.imag.any()
     return np.ascontiguousarray(vectors.real.T if real else np.vstack([vectors.real.T, vectors.imag.T]))
 
 
 def _rightmost(basis: Array, images: Array, wanted: int) -> tuple[Vector, Vector]:
     """Ritz values (wanted,) and their weights (wanted, len(basis))."""
-    values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
+    values, ritz = np.linalg.eig(inner(basis, images))
     order = np.argsort(-values.real, kind="stable")[:wanted]
     return values[order], ritz[:, order].T
 
 
 def _within(basis: Array, images: Array, given: int, wanted: int) -> tuple[Vector, Vector]:
     """The same of those that lie most in the space of the first `given` rows."""
-    values, ritz = np.linalg.eig(np.einsum("in,jn->ij", basis, images))
+    values, ritz = np.linalg.eig(inner(basis, images))
     order = np.argsort(-np.linalg.norm(ritz[:given], axis=0), kind="stable")[:wanted]
     return values[order], ritz[:, order].T
 
 
-def _wider(linear: Linear, basis: Array, images: Array, steps: list[Array]) -> tuple[Array, Array]:
+def _wider(linear: Linear, basis: Array, images: Array, steps: Array) -> tuple[Array, Array]:
     """The space with some more directions; as it is where there are none, or all vectors are in it."""
-    fresh = orthonormal(np.array(steps), basis) if len(basis) + len(steps) <= basis.shape[1] else basis[:0]
+    fresh = orthonormal(steps, basis) if len(basis) + len(steps) <= basis.shape[1] else basis[:0]
     if not len(fresh):
         return basis, images
     return np.vstack([basis, fresh]), np.vstack([images, [linear.apply(v) for v in fresh]])
 
 
-def _residuals(values: Vector, ritz: Vector, found: list[Vector], images: Array) -> tuple[list[Array], list[int]]:
+def _residuals(values: Vector, ritz: Vector, found: Vector, images: Array) -> tuple[list[Array], list[int]]:
     """A v - l v, the real and the imaginary part of one of each pair; and of which vectors they are."""
     parts: list[Array] = []
+    one_of_each = np.flatnonzero(values.imag >= 0.0)
     of: list[int] = []
-    for k in np.flatnonzero(values.imag >= 0.0).tolist():
-        residual = _combined(ritz[k], images) - values[k] * found[k]
-        more = [residual.real, residual.imag] if values[k].imag > 0.0 else [residual.real]
-        parts += more
-        of += [k] * len(more)
+    for k, image in zip(one_of_each.tolist(), _combined(ritz[one_of_each], images), strict=True):
+        if values[k].imag > 0.0:
+            residual = image - values[k] * found[k]
+            parts += [residual.real, residual.imag]
+            of += [k, k]
+        else:
+            parts.append(image.real - values[k].real * found[k].real)
+            of.append(k)
     return parts, of
 
 
-def _wrong(values: Vector, found: list[Vector], corrections: Array, of: list[int] | None) -> float:
+def _wrong(values: Vector, found: Vector, corrections: Array, of: list[int] | None) -> float:
     """The largest part of a correction along its own vector, or (None) along any; vectors to zero are not asked."""
     zero = ZERO * float(np.abs(values).max(initial=0.0))
     worst = 0.0
@@ -148,7 +151,8 @@ def _wrong(values: Vector, found: list[Vector], corrections: Array, of: list[int
 
 
 def _combined(weights: Vector, rows: Array) -> Vector:
-    """sum w_i rows_i; real weights cost half."""
+    """sum_j w_ij rows_j; real where all weights are, which costs half."""
+    real = mixed(weights.real, rows)
     if not np.iscomplexobj(weights) or not weights.imag.any():
-        return np.asarray(np.einsum("i,ij->j", weights.real, rows))
-    return np.asarray(np.einsum("i,ij->j", weights.real, rows) + 1j * np.einsum("i,ij->j", weights.imag, rows))
+        return real
+    return np.asarray(real + 1j * mixed(weights.imag, rows))

@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from contin.abi import Array, Vector
+from contin.kernels.long_rows import add_combinations, products_of_rows
 
 LONG = 1000  # numbers; up to here BLAS stays on one thread
 
@@ -38,6 +39,20 @@ def combined(columns: Array, weights: Array) -> Array:
 def products(columns: Array, x: Vector) -> Vector:
     """columns^T x (no conjugate) of long columns (n, k)."""
     return np.asarray(np.einsum("ij,i->j", columns, x))
+
+
+def inner(a: Array, b: Array) -> Array:
+    """<a_i, b_j> of real rows (k, n) and (l, n) that lie one after the other in memory."""
+    out = np.empty((len(a), len(b)))
+    products_of_rows(a, b, out)
+    return out
+
+
+def mixed(weights: Array, rows: Array, added_to: Array | None = None) -> Array:
+    """sum_j w_ij rows_j, real (k, n), added to rows that are changed in place where there are some."""
+    out = np.zeros((len(weights), rows.shape[1])) if added_to is None else added_to
+    add_combinations(np.ascontiguousarray(weights), rows, out)
+    return out
 
 
 @lru_cache(maxsize=4)

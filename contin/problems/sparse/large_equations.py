@@ -149,9 +149,8 @@ class LargeEquations(InOneParameterProblem):
         radius, first, symmetric = 0.0, work.vectors is None, False
         old = None if at_zero else self._old_inverse(linear)
         if old is not None and work.vectors is not None:
-            found = followed(linear, *old, work.vectors, work.before, self._is_symmetric(linear))
-            if found is not None and int(np.sum(found.values.real <= 0.0)) >= FEWEST_STABLE:
-                work.vectors, work.before = found.vectors, work.vectors
+            found = self._followed(linear, *old, z)
+            if found is not None:
                 return self._with_far_ones(linear, found)
         if linear.matrix is not None:
             right, up = self._region(linear)
@@ -184,6 +183,23 @@ class LargeEquations(InOneParameterProblem):
             nearest = replace(nearest, found=_telling(found, reach))
         near = self._kept(nearest.with_copies(n, reach).spectrum(), TURNING if linear.matrix is None else WATCHED)
         return self._with_far_ones(linear, near)
+
+    def _followed(
+        self, linear: Linear, inverse: Callable[[Array], Array], rate: float, z: Array
+    ) -> Spectrum | None:  # fmt: skip
+        """See `followed`; next to where eigenvectors are known, these alone span where those of z are."""
+        work, symmetric = self.work, self._is_symmetric(linear)
+        assert work.vectors is not None
+        near = work.seen is not None and is_near(z[:-1], z[-1:], work.seen[:-1], work.seen[-1:])
+        found = followed(linear, inverse, rate, work.vectors, None, symmetric) if near else None
+        if found is None:
+            near = False
+            found = followed(linear, inverse, rate, work.vectors, work.before, symmetric)
+        if found is None or int(np.sum(found.values.real <= 0.0)) < FEWEST_STABLE:
+            return None
+        work.vectors, work.before = found.vectors, work.before if near else work.vectors
+        work.seen = z.copy()
+        return found
 
     def _whole(self, linear: Linear) -> Spectrum:
         mass = None if linear.mass is None else linear.mass.toarray()
@@ -220,6 +236,7 @@ class LargeEquations(InOneParameterProblem):
         if found.values.size:
             work = self.work
             work.vectors, work.before = found.vectors[:, _to_follow(found.values)], work.vectors
+            work.seen = None if work.z is None else work.z.copy()
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
             part = np.where(found.values.imag != 0.0, watched, WATCHED)
             near = found.values.real > -part * np.abs(found.values)

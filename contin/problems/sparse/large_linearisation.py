@@ -43,6 +43,7 @@ class Workspace:
     start: Array | None = None
     vectors: NDArray[np.complex128] | None = None
     before: NDArray[np.complex128] | None = None  # those of the point before, see `followed`
+    seen: Array | None = None  # where `vectors` are eigenvectors
     region: Region = field(default_factory=Region)
     of_pencil: RegionOfPencil | None = None
     tangent: tuple[Array, Array] | None = None  # the last one, unscaled, and where it is one
