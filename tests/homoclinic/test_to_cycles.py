@@ -83,7 +83,7 @@ def at_ten(start):
     return at_s(start[0])
 
 
-@pytest.mark.parametrize("truncation", [1e-2, 1e-3])
+@pytest.mark.parametrize("truncation", [1e-2, pytest.param(1e-3, marks=pytest.mark.long)])
 def test_ends_that_are_farther_from_the_cycle_state_larger_errors(lorenz, cycles, at_ten, truncation):
     """Manifolds are taken for their linear spaces there: off by the square of the distance, which the error has."""
     point = next(point for point in cycles.points if point.type == "UZ" and point.values["rho"] > 24)

@@ -56,7 +56,22 @@ def test_an_edit_of_a_callee_in_another_file_is_seen(home, tmp_path):
     assert "2 kernels" in errors
 
 
-@pytest.mark.parametrize("damage", [lambda b: b"", lambda b: b[:-1], lambda b: b[:99] + bytes([b[99] ^ 4]) + b[100:]])
+DAMAGE = {
+    "empty": lambda b: b"", "truncated": lambda b: b[:-1], "flipped": lambda b: b[:99] + bytes([b[99] ^ 4]) + b[100:]
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_damage_of_a_file_is_seen(home, damage):
+    for path in files(home[1]):
+        assert objects.from_bytes(path.read_bytes()) is not None
+        assert objects.from_bytes(damage(path.read_bytes())) is None
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [pytest.param(one, id=name, marks=() if name == "flipped" else pytest.mark.long) for name, one in DAMAGE.items()],
+)  # whatever the damage is, it has been seen above
 def test_a_damaged_file_is_made_anew_with_a_note(home, damage):
     folder, kept = home
     for path in files(kept):

@@ -117,7 +117,9 @@ def test_chafee_infante_bifurcations_at_the_squares():
 TOP = 0.6  # one or two points below
 
 
-@pytest.mark.parametrize(("circumference", "points"), [(2, 32), (2, 64), (4, 64), (6, 32)])
+@pytest.mark.parametrize(
+    ("circumference", "points"), [*(pytest.param(2, n, marks=pytest.mark.long) for n in (32, 64)), (4, 64), (6, 32)]
+)
 def test_branch_points_of_swift_hohenberg_on_a_circle_lie_within_their_errors(circumference, points):
     # r = (1 - k^2)^2 with k = 2 j/circumference: zero eigenvalues of a matrix of rounded entries up to (points/2)^4
     domain = {"x": {"to": f"{circumference}*pi", "points": points, "periodic": True, "method": "fourier"}}

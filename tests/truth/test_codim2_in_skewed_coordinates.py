@@ -32,7 +32,7 @@ def drawn(kind: str, seed: int) -> Hidden:
 
 @pytest.mark.parametrize(
     ("kind", "seed"),
-    [("CH", 8), ("CH", 32), ("ZH", 5), ("ZH", 22), ("HH", 15)],  # the long version takes 120 of each
+    [("CH", 32), ("ZH", 22), ("HH", 15)],  # the long version takes 120 of each
 )
 def test_points_are_found_within_their_errors(kind, seed):
     ledger = Ledger()

@@ -61,7 +61,7 @@ def judged(seed: int, n: int, degree: int) -> tuple[Counter[str], list[str]]:
 
 @pytest.mark.parametrize(("n", "degree"), [(1, 3), (1, 4), (2, 3)])
 def test_every_root_is_on_a_branch_and_every_label_is_a_root_of_the_discriminant(n, degree):
-    found = [text for seed in range(4) for text in judged(seed, n, degree)[1]]
+    found = [text for seed in range(2) for text in judged(seed, n, degree)[1]]
     assert found == []
 
 

@@ -1,5 +1,7 @@
 """Demos of AUTO-07p: homoclinic and heteroclinic orbits beside what the manual prints."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -78,7 +80,7 @@ def test_homoclinic_orbits_of_a_circuit_are_where_the_manual_has_them():
     assert characteristic(*at["NDS"])[1] == pytest.approx(0, abs=1e-7)  # the sum of all three
 
 
-@pytest.mark.parametrize("name", ["p2c", "pcl"])
+@pytest.mark.parametrize("name", [pytest.param("p2c", marks=pytest.mark.long), "pcl"])  # the same orbit
 def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name):
     """AUTO's manual has rho = 24.0579 at sigma = 10 and beta = 8/3 (demo pcl)."""
     heart = {branch["name"]: branch for branch in result_of(name)["branches"]}["heart"]
@@ -86,21 +88,19 @@ def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name):
     assert point["values"]["rho"] == pytest.approx(24.0579, abs=5e-5)
 
 
-def test_the_orbit_from_a_cycle_to_the_other_equilibrium_is_where_reversed_trajectories_change_sides():
+def test_the_orbit_from_a_cycle_to_the_other_equilibrium_is_where_reversed_trajectories_change_sides(tmp_path, capsys):
     """pci: nu1 = 0.7411891805(1), by bisection with Dormand and Prince's method of order 8, backwards along the stable
-    manifold of the equilibrium. The curve ends where a multiplier of the cycle is 1."""
-    link = branches_of("pci")["link"]
+    manifold of the equilibrium. The curve is called by its ends, and ends where a multiplier of the cycle is 1."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "pci.yaml"), "--json", str(out))
+    assert "link  locus of orbits from a cycle to an equilibrium in nu1 and nu2" in capsys.readouterr().out
+    (link,) = (branch for branch in json.loads(out.read_text())["branches"] if branch["name"] == "link")
     (point,) = link["points"]
     assert abs(point["values"]["nu1"] - 0.7411891805) < 1e-10 + point["error"] < 2e-10
     assert "passes the unit circle" in link["ends"][0]["text"]
     assert link["columns"]["multiplier"][0] == pytest.approx(1.0, abs=0.1)
     assert max(link["columns"]["multiplier"]) < 1.0
     assert min(link["columns"]["phi.min"][k] - x for k, x in enumerate(link["columns"]["phi.saddle2"])) > 0.0
-
-
-def test_curves_of_connections_are_called_by_their_ends(capsys):
-    call("run", str(FOLDER / "pci.yaml"))
-    assert "link  locus of orbits from a cycle to an equilibrium in nu1 and nu2" in capsys.readouterr().out
 
 
 @pytest.mark.long

@@ -82,6 +82,7 @@ def test_a_short_curve_of_homoclinic_orbits_leads_from_its_bogdanov_takens_point
     assert [r.total for r in between] == [3]
 
 
+@pytest.mark.long  # every day: its regions in docs/metronomes/open_questions.py (check_regions)
 def test_every_beating_state_of_the_averaged_pair_has_its_region():
     """At beta = 0.8 the small beats live from 4.4699 to the Hopf points, the large ones from 3.2093, the turning ones
     from 0.7153 on; curves through these values by shooting in the equations of the amplitudes. Total rest and the

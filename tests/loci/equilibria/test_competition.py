@@ -43,6 +43,7 @@ def test_a_curve_of_centres_is_followed_to_infinity_without_a_sign_of_rounding()
     assert any("grows without bound" in end.text for end in curve.ends)  # x = 2/(2 b - 1)
 
 
+@pytest.mark.long  # every day: its curves above, and the regions of tests/diagram/phase
 def test_its_plane_has_the_regions_of_the_textbook_and_those_of_negative_densities():
     found = contin.phase(COMPETITION, ("a", "b"), {"a": (0.5, 1.5), "b": (0.5, 1.5)}, orbits=False)
     areas = sorted((region.stable, round(region.area, 4)) for region in found.regions)

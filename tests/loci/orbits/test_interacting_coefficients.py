@@ -47,8 +47,16 @@ def fold_form(
     return next(p for p in folds.points if p.type == type_).normal_form
 
 
-@pytest.mark.parametrize("change", PLACES, ids=NAMES)
-@pytest.mark.parametrize("s", [0.8, -0.8])
+def signs(size):
+    """The first sign in every place; the other where nothing is changed, and everywhere in the long run."""
+    return [
+        pytest.param(value, change, id=f"{value}-{name}", marks=pytest.mark.long if value < 0 and change else ())
+        for value in (size, -size)
+        for name, change in zip(NAMES, PLACES, strict=True)
+    ]
+
+
+@pytest.mark.parametrize(("s", "change"), signs(0.8))
 def test_fold_torus(change, s):
     """x' = p - x^2 + s R, v' = (q + 0.2 x + 0.4 x^2 - R + 0.3 i) v with R = |v|^2: the field of a zero-Hopf point.
 
@@ -70,8 +78,7 @@ def test_fold_torus(change, s):
         assert abs(form["f011"]) == pytest.approx(2 * abs(s) * T, rel=1e-8)
 
 
-@pytest.mark.parametrize("change", PLACES, ids=NAMES)
-@pytest.mark.parametrize("k", [0.25, -0.25])
+@pytest.mark.parametrize(("k", "change"), signs(0.25))
 def test_fold_flip(change, k):
     """x' = p - x^2 + 0.8 s^2, s' = (q + k x + 0.4 x^2 - 0.7 s^2) s in the turning plane."""
     flips = twisted(f"q + {k}*x + 0.4*x^2 - 0.7*{SQUARE}", "-1")

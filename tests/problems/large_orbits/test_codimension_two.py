@@ -125,6 +125,7 @@ def test_a_chenciner_point():
     agrees(point, l2=-4.0 * 0.3)
 
 
+@pytest.mark.long  # every day: that of R2 (test_resonances)
 def test_more_states_than_a_matrix_is_made_of_have_a_remark(planted, monkeypatch):
     monkeypatch.setattr("contin.problems.large_orbits.codimension_two.MOST", 5)
     span = {"mu": (0.1, 0.5), "k": (0.64, 0.75)}

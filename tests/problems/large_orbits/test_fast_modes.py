@@ -6,8 +6,13 @@ from scipy import sparse
 
 import contin
 
+LONG = pytest.mark.long  # as below: one is counted, the other told
 
-@pytest.mark.parametrize(("frequency", "intervals"), [(3.3, 40), (7.3, 20), (7.3, 40), (20.3, 40)])
+
+@pytest.mark.parametrize(
+    ("frequency", "intervals"),
+    [pytest.param(3.3, 40, marks=LONG), (7.3, 20), (7.3, 40), pytest.param(20.3, 40, marks=LONG)],
+)
 def test_an_unstable_fast_mode_is_counted_or_told(frequency, intervals):
     """r' = r (mu - r^2) with angle t, and beside it an oscillation that grows by exp(0.02 t)."""
 

@@ -53,6 +53,7 @@ def test_b_of_a_fold_of_cycles_whose_period_changes(residual, options, settings)
     found = family(function(residual, 3, {"mu": -0.5}, **options), (-0.4, 0.1), stop_at=("LPC",), **settings)
     value, error = known(found["LPC1"], "b")
     assert abs(value - 2.5) < error < 1e-4
+    assert abs(found["LPC1"].values["mu"] + 0.25) < found["LPC1"].error < 1e-4  # where 2 r^2 = 1
 
 
 def test_b_of_a_fold_of_cycles_whose_period_does_not_change():
@@ -135,7 +136,7 @@ def parting(z, p):
     return np.array([growth * x - y, growth * y + x, (p["mu"] - 0.4) * s - p["e"] * s * s - s**3])
 
 
-@pytest.mark.parametrize("e", [1.0, 1e-3, 0.0])
+@pytest.mark.parametrize("e", [1.0, pytest.param(1e-3, marks=pytest.mark.long), 0.0])
 def test_kind_and_slope_of_a_branch_point_of_cycles(e):
     """The families part by s (d/(2 r), 1), mu - 0.4 = e s."""
     slope = e / np.sqrt(1.0 + PARTING["d"] ** 2 / (4.0 * 0.4))

@@ -61,6 +61,7 @@ def test_curves_in_two_parameters(shot):
     assert np.ptp(a) > 0.02
 
 
+@pytest.mark.long  # every day: the fold from three segments with b, the curve of doublings (test_normal_forms, above)
 def test_a_fold_of_cycles_and_its_curve_from_three_segments():
     found = family(
         planted(1.0, -1.0, exact=True), (-0.4, 0.1), intervals=3, method="shooting", max_step=0.2, stop_at=("LPC",)

@@ -76,7 +76,7 @@ def fine(birth):
     "settings",
     [
         pytest.param({"max_step": 0.1}, marks=pytest.mark.long),
-        {"max_step": 0.15},
+        pytest.param({"max_step": 0.15}, marks=pytest.mark.long),
         {"max_step": 0.17},
         {"max_step": 0.25},
     ],

@@ -69,7 +69,10 @@ def test_doubled_orbits_that_slip_onto_those_of_half_the_period_end_as_joined():
     assert abs(periods[-1] - periods[0]) < 0.05 * periods[0]
 
 
-def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step():
+@pytest.mark.parametrize(
+    "steps", [(0.1,), pytest.param((0.03, 0.1), marks=pytest.mark.long)], ids=["coarse", "coarse and fine"]
+)
+def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step(steps):
     model = Model(
         "mlfast", states={"v": 0.03, "w": 0.25}, parameters={"y": 0.3, "z": 0.1},
         equations={
@@ -81,7 +84,7 @@ def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step()
     family = contin.continuation(line["HB1"].switch(), "y", (-0.05, 0.3), settings={"stop_at": ("LPC",)})
     assert family["LPC1"].values["y"] == pytest.approx(0.08456948, abs=2e-8)  # MatCont's tutorial
     places = []
-    for step in (0.03, 0.1):
+    for step in steps:
         curve = contin.continuation(
             family["LPC1"].locus(), ("y", "z"), {"y": (-0.2, 0.4), "z": (-0.1, 0.4)}, settings={"max_step": step}
         )
@@ -89,7 +92,7 @@ def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step()
         assert sorted(end.reason for end in curve.ends) == ["homoclinic", "hopf"]
         order = np.argsort(curve.columns["z"])
         places.append((curve.columns["z"][order], curve.columns["y"][order]))
-    (fine, there), (coarse, here) = places
+    (fine, there), (coarse, here) = places[0], places[-1]
     inside = (coarse > fine.min()) & (coarse < fine.max())
     np.testing.assert_allclose(np.interp(coarse[inside], fine, there), here[inside], atol=1e-4)
 

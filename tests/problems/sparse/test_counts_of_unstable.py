@@ -40,8 +40,16 @@ def wrong_counts(linear, p, bounds, steps):
     return branch, found
 
 
-@pytest.mark.parametrize("wind", [0.0, 0.3, 5.0])
-@pytest.mark.parametrize("n", [100, 300])
+LONG = pytest.mark.long
+
+
+@pytest.mark.parametrize(
+    ("n", "wind"),
+    [
+        (100, 0.3), (300, 0.0), (300, 5.0),
+        *(pytest.param(n, wind, marks=LONG) for n, wind in ((100, 0.0), (100, 5.0), (300, 0.3))),
+    ],
+)  # fmt: skip
 def test_diffusion_with_a_wind(n, wind):
     first, second = differences(n, np.pi)
     branch, wrong = wrong_counts(second + wind * first, 90.5, (80.0, 110.0), 12)
