@@ -3,12 +3,15 @@
 import os
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 HERE = Path(__file__).resolve().parent
 PAGES = [str(HERE / "metronomes"), str(HERE / "gallery")]  # modules that pages import; contin is the installed one
 sys.path[:0] = [str(HERE)]
 # The cells call `contin`: the one beside the Python that builds.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+shared_runs = TemporaryDirectory()  # results that several pages look at: metronomes/elsewhere.py
+os.environ["CONTIN_DOCS_RUNS"] = shared_runs.name
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [*PAGES, os.environ.get("PYTHONPATH")]))
 
 from docstrings import as_restructured_text  # noqa: E402

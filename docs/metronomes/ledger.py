@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -55,6 +56,31 @@ def holds(name: str, printed: object = None, right: object = None) -> bool:
     return corrected and not agrees
 
 
+def altered(expected: object, tolerance: float) -> Iterator[np.ndarray]:
+    """The expected numbers or words with each of them altered in turn."""
+    flat = np.asarray(expected, dtype=object).ravel()
+    for k, value in enumerate(flat):
+        other = flat.copy()
+        if isinstance(value, str):
+            other[k] = f"not {value}"
+        elif isinstance(value, bool | np.bool_):
+            other[k] = not value
+        else:
+            other[k] = value + 10.0 * tolerance * (abs(value) or 1.0)
+        yield np.array(other.tolist()).reshape(np.shape(np.asarray(expected, dtype=object)))
+
+
+def assert_follows(name: str) -> None:
+    """The verdict follows from the numbers, and from none of those with one of them altered."""
+    entry, (ours, own) = entries()[name], result(name)
+    assert holds(name), (name, ours, own)
+    if entry["verdict"] == "confirmed":
+        for other in altered(own[0], float(entry.get("tolerance", TOLERANCE))):
+            assert not holds(name, printed=other), (name, other)
+    for other in altered(own[1], RIGHT) if len(own) > 1 else ():
+        assert not holds(name, right=other), (name, other)
+
+
 @cache
 def result(name: str) -> tuple[object, tuple[object, ...]]:
     """Our numbers, and the printed ones with what is right instead where they differ."""
@@ -83,7 +109,14 @@ def difference(ours: object, printed: object) -> str:
 
 
 class Table:
-    """The ledger as a notebook shows it: counts of the verdicts and a table whose numbers are computed now."""
+    """The ledger as a notebook shows it: counts of the verdicts and a table whose numbers are computed now.
+
+    No table is made where a verdict does not follow from them.
+    """
+
+    def __init__(self) -> None:
+        for name in entries():
+            assert_follows(name)
 
     def _repr_markdown_(self) -> str:
         lines = [
