@@ -1,4 +1,4 @@
-"""Results that several pages look at: `contin run` makes them on the first page of a build and others take its files."""
+"""Results that several pages look at: made by `contin run` on the first page of a build, taken over by the others."""
 
 import os
 import shutil
@@ -16,7 +16,7 @@ def keep(*names: str) -> None:
 
 
 def take(*names: str) -> None:
-    """The results of `metronomes/NAME` in this page's folder: those of another page, or of a run where there are none."""
+    """The results of `metronomes/NAME` in this page's folder: from another page, or from a run where there are none."""
     for name in names:
         kept = Path(os.environ.get(SHARED, os.curdir), f"{name}.json")
         if SHARED in os.environ and kept.exists():
