@@ -58,6 +58,8 @@ def _halved(
     """Solutions on both sides of a short part of the step, each with its slope; None where there are none."""
     whole, width = apart(last, first), float(last[-1] - first[-1])
     asked = whole > CLEAR * known
+    if width == 0.0:  # along a continuum at one parameter
+        return None
     before = problem.at_parameter(first.copy(), float(first[-1]) - OUTSIDE * width, scale)
     behind = problem.at_parameter(last.copy(), float(last[-1]) + OUTSIDE * width, scale)
     if not asked.any() or before is None or behind is None:

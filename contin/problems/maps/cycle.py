@@ -41,6 +41,8 @@ from contin.systems.iterate import IteratedSystem
 SINGULAR = 1e-9
 LONGEST = 64  # period to which the explorer follows a cascade of doublings
 SAME = 1e-6
+NEUTRAL = 1e-11  # distance of a multiplier from 1 that corrections to the rows leave: it is 1
+STANDING = 1e-9  # slope dp/ds (scaled) at rows of a continuum, zero but for those
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,8 @@ class CycleMarch(DenseMarch):
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         values = self.problem.multipliers(z)
-        count, tests = count_and_tests(values, True)
+        _, tests = count_and_tests(values, True)
+        count, _ = count_and_tests(values[~_neutral(values)], True)
         return tests[2:], count, values
 
 
@@ -193,6 +196,8 @@ class CycleProblem(OfFixedPoints):
         return at_parameter(self, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        if _in_continuum(a, b):
+            a, b = (replace(s, tests=np.concatenate([[1.0, 1.0], s.tests[2:]])) for s in (a, b))
         return special_points.explain(True, a, b)
 
     def test_of(self, type_: str) -> int | None:
@@ -275,6 +280,18 @@ class CycleProblem(OfFixedPoints):
 
     def describe_failure(self, z: Array) -> str:
         return self.inner.describe_failure(self.first(z))
+
+
+def _neutral(values: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    return np.abs(values - 1.0) < NEUTRAL
+
+
+def _in_continuum(a: Sample, b: Sample) -> bool:
+    """True for two of the cycles that a (piecewise) linear map has at one parameter, where one of them doubles.
+
+    Neither the parameter nor the multiplier 1 moves between them: the signs of their tests are those of rounding.
+    """
+    return all(abs(float(s.tangent[-1])) < STANDING and bool(_neutral(s.eigenvalues).any()) for s in (a, b))
 
 
 def carried(problem: CycleProblem, z: Array, *path: Array) -> list[Array]:

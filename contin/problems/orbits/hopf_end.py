@@ -59,7 +59,7 @@ def cut_at_birth(problem: Shrinking, chunk: Chunk, frame: Frame, settings: Setti
             last = _smallest(problem, chunk.sample(k), shape, float(chunk.lengths[k + 1]), frame, settings)
             if last is None:
                 return chunk
-            return _ending_in(chunk.cut(k + 2, Stop.LIMIT, chunk.next_step), last)
+            return with_last_row(chunk.cut(k + 2, Stop.LIMIT, chunk.next_step), last)
     return chunk
 
 
@@ -113,7 +113,8 @@ def _smallest(
     return best
 
 
-def _ending_in(chunk: Chunk, last: Sample) -> Chunk:
+def with_last_row(chunk: Chunk, last: Sample) -> Chunk:
+    """The chunk with another last row."""
     z, tangents, unstable = chunk.z.copy(), chunk.tangents.copy(), chunk.unstable.copy()
     eigenvalues = chunk.eigenvalues.copy()
     z[-1], tangents[-1], unstable[-1], eigenvalues[-1] = last.z, last.tangent, last.unstable, last.eigenvalues

@@ -21,6 +21,7 @@ from contin.problems.orbits.ends.ends import foretold
 from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.measured.measures import standard_columns
 from contin.problems.orbits.special_orbits.events import explain
+from contin.problems.shooting.before_rest import cut_before_rest
 from contin.problems.shooting.corners import at_corner, cross_corner, verify_corner
 from contin.problems.shooting.eigenfunctions import eigenfunctions
 from contin.problems.shooting.equilibrium_on_surface import has_shrunk
@@ -71,6 +72,7 @@ class ShootingProblem(ShotEquations):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = cut_before_rest(self, chunk, frame, settings)
         return cut_where_oblique(self, chunk, frame.scale)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

@@ -62,3 +62,16 @@ def test_cycles_of_a_centre_that_reach_a_corner_go_on_beyond_it_and_not_back_to_
         rates, (0.0, branch.columns["period"][-1]), [top[-1], 0.0], method="DOP853", rtol=1e-9, atol=1e-10
     ).y[:, -1]
     assert end == pytest.approx([top[-1], 0.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("start", [1.0, 1.4])  # where steps of this length end on both sides of the equilibrium
+def test_cycles_of_a_centre_that_steps_pass_over_end_there(start):
+    """x'' = -x + mu x' to |x'| = 1, damped beyond: the cycles up to the amplitude 1 are at mu = 0."""
+    model = contin.Model(
+        "saturated", states={"x": start, "y": 0.1}, parameters={"mu": 0.1},
+        equations={"x": "y", "y": "-x + mu*y - 0.3*(y - 1 if y > 1 else (y + 1 if y < -1 else 0))"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "mu", (-0.2, 0.12), settings={"max_step": 0.3})
+    assert [end.reason for end in branch.ends] == ["hopf", "bound"]
+    assert abs(branch.ends[0].data["at"]["mu"]) < 1e-13
+    assert np.all(np.diff(branch.columns["x.max"]) > 0.0)
