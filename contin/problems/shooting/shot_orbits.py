@@ -22,6 +22,7 @@ from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.measured.measures import standard_columns
 from contin.problems.orbits.special_orbits.events import explain
 from contin.problems.shooting.before_rest import cut_before_rest
+from contin.problems.shooting.boundary_end import comes_to_boundary_equilibrium
 from contin.problems.shooting.corners import at_corner, cross_corner, verify_corner
 from contin.problems.shooting.eigenfunctions import eigenfunctions
 from contin.problems.shooting.equilibrium_on_surface import has_shrunk
@@ -47,7 +48,7 @@ class ShootingProblem(ShotEquations):
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """What the family was near when its corrector failed: a connecting orbit, a surface along which it slides."""
-        end = comes_to_slide(self, origin)
+        end = comes_to_slide(self, origin) or comes_to_boundary_equilibrium(self, origin, frame)
         if end is not None:
             return Renewal(frame.scale, origin, before, None, end)
         found = None if before is None or not self.autonomous else foretold(self, origin, before, frame)

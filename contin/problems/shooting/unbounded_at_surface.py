@@ -16,6 +16,7 @@ from contin.continuation.branch import End
 from contin.continuation.sample import Frame, Sample
 from contin.model.printing import to_text
 from contin.problems.orbits.march.slow_passage import dwelling, slowest_points
+from contin.problems.shooting.boundary_end import comes_to_boundary_equilibrium
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
@@ -33,6 +34,9 @@ def comes_to_surface(problem: ShotEquations, origin: Sample, frame: Frame) -> En
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     if not np.all(np.isfinite(profile.u)) or dwelling(problem, profile, sizes) < RESTS:
         return None
+    jumping = comes_to_boundary_equilibrium(problem, origin, frame)
+    if jumping is not None:
+        return jumping
     p = problem.full_parameters(origin.z)
     for u in slowest_points(problem, profile, sizes):
         surface = _surface_next_to(problem, u, p, sizes)

@@ -181,10 +181,11 @@ def _meetings(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> list
     target = origin.z[:n] if problem.is_map else np.zeros(n)
     for jump in jumps_of(problem.system):
         side = side_of(jump, origin.z[:n], p, target, FARTHEST * _reach(problem, jump, origin.z, frame.scale))
-        found.append(_solved(problem, jump, bool(side), origin, frame))
+        found.append(solved_on_surface(problem, jump, bool(side), origin, frame))
     if problem.sliding is not None:
         weight = float(problem.sliding.weights(problem, origin.z[None])[0])
-        found += [_solved(problem, problem.sliding.jump, upper, origin, frame) for upper in {weight > 0.5, True, False}]
+        own = problem.sliding.jump
+        found += [solved_on_surface(problem, own, upper, origin, frame) for upper in {weight > 0.5, True, False}]
     return [m for m in found if m is not None and -THERE < m.distance < FARTHEST]
 
 
@@ -195,7 +196,9 @@ def _reach(problem: AlgebraicEquations, jump: Jump, z: Array, scale: Array) -> f
     return float(np.linalg.norm(slope * scale))
 
 
-def _solved(problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
+def solved_on_surface(
+    problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample, frame: Frame
+) -> Meeting | None:
     """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter.
 
     Of other surfaces, which may be met as soon, the side of `origin` counts, on whichever Newton's steps are.

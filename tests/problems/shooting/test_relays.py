@@ -101,3 +101,20 @@ def test_a_family_that_closes_on_a_corner_ends_there():
     assert abs(end.data["at"]["alpha"] - exact) <= 10.0 * end.data["error"]
     assert branch.columns["period"][branch.columns["x.max"] < 1e-9] == pytest.approx([growth(exact)[1]], abs=1e-8)
     assert exact == pytest.approx(1.0 / pi, abs=0.1 * eps)  # the averaged value, with an error of the order eps
+
+
+def test_a_biased_relay_stops_where_the_equilibrium_of_one_side_arrives_at_its_surface():
+    """(s + 1)(s + 2)(s + 3) x = 6 (b - sign x): the equilibrium x = b - 1 of x > 0 is on x = 0 at b = 1.
+
+    The orbit passes beside it as exp(-t), and comes back as soon as x < 0: its period grows as -2 log(1 - b)/3 or so.
+    """
+    model = contin.Model(
+        "biased", states={"x": 0.02, "y": 0.1, "z": 0}, parameters={"b": 0.9},
+        equations={"x": "y", "y": "z", "z": "-6*x - 11*y - 6*z - 6*sign(x) + 6*b"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "b", (0.89, 1.2))
+    end = branch.ends[1]
+    assert end.reason == "surface"
+    assert end.data["surface"] == "x = 0"
+    assert end.data["at"]["b"] == pytest.approx(1.0, abs=1e-12)
+    assert np.all(np.diff(branch.columns["period"]) > 0.0)
