@@ -30,7 +30,8 @@ ENOUGH: Final = 3 * LONGEST_CYCLE
 REPEATED: Final = 1e-6  # ... of a solved cycle and itself some events later, if it repeats
 CLOSE: Final = 1e-4  # a return this close, relative to the orbit's extent, is an orbit up to Newton's polish
 MOVED: Final = 0.05  # by which Newton's method may move it
-PATIENCE: Final = 16.0  # periods in which an event of the cycle comes, or not at all
+PATIENCE: Final = 16.0  # longest intervals in which an event of a trajectory comes, or not at all
+LONGEST_PERIOD: Final = 512.0  # of a family, in periods of the orbit that it begins with
 BOX: Final = 1e100  # where a simulation escapes
 RTOL: Final = 1e-10
 BUDGET: Final = 1_000_000
@@ -198,7 +199,7 @@ def _closed(
     flow: HybridFlow, p: Array, cycle: list[_Landing], winding: Array, sizes: Array, after: float
 ) -> HybridOrbit:
     """Newton's method from a cycle that nearly closes."""
-    patience = PATIENCE * (cycle[-1].time - cycle[0].time)
+    patience = LONGEST_PERIOD * (cycle[-1].time - cycle[0].time)
     arcs = tuple(
         Arc(here.events[0], here.events[1:], here.time - before.time, patience)
         for before, here in itertools.pairwise(cycle)

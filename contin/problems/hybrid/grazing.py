@@ -20,6 +20,7 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.hybrid.homoclinic_end import homoclinic_end
 from contin.problems.hybrid.landing import first_landing
+from contin.problems.hybrid.saddle_node_end import saddle_node_end
 from contin.problems.hybrid.sampling import arc_samples
 from contin.simulate.resets import SENSES
 
@@ -169,7 +170,8 @@ def ending(problem: CycleOfEvents, origin: Sample, before: Sample | None) -> End
     found = _new_event(problem, origin.z)
     if found is not None or before is None:
         return found
-    return homoclinic_end(problem, origin.z, before.z) or _lost_event(problem, origin.z, before.z)
+    places = problem, origin.z, before.z
+    return saddle_node_end(*places) or homoclinic_end(*places) or _lost_event(*places)
 
 
 def _new_event(problem: CycleOfEvents, z: Array) -> End | None:

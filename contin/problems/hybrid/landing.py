@@ -30,7 +30,8 @@ IN_A_STEP: Final = 4  # looks within a step
 ON_SURFACE: Final = 0.02  # part of that time within which a solution that starts beside its surface may leave it
 AT_ONCE: Final = 1e-9  # ... and one that starts on it
 NEAR: Final = 0.5  # of the change of h between samples: an extremum that near zero is looked at
-TOWARDS_END: Final = np.ldexp(1.0, -np.arange(1, 41))  # parts of the time from the last sample to a solution's end
+TOWARDS_END: Final = np.ldexp(1.0, -np.arange(1, 5))  # parts of what is left to a solution's end, ...
+NEARER: Final = 12  # ... so many times: from 16 times nearer it is integrated anew
 ROUNDS: Final = 60
 
 
@@ -83,14 +84,33 @@ def first_landing(
             flight = _fly(flow, state, p, sizes, (t - start).astype(np.float64))
         times, states, complete = start + flight.t, flight.u, len(flight.t) == len(t)
         if not complete:  # beyond the surface it may escape to infinity
-            seen = float(flight.t[-1]) if len(times) else 0.0
-            later = seen + (flight.end_time - seen) * (1.0 - TOWARDS_END)
-            nearer = _fly(flow, state, p, sizes, later.astype(np.float64))
-            times, states = np.append(times, start + nearer.t), np.vstack([states, nearer.u])
+            seen, last_seen = (float(flight.t[-1]), flight.u[-1]) if len(times) else (0.0, state)
+            nearer = _towards_end(flow, k, last_seen, p, sizes, flight.end_time - seen)
+            times, states = np.append(times, start + seen + nearer[0]), np.vstack([states, nearer[1]])
         found = _first(Path(flow, k, p, sizes, times, states, flow.heights(k, states, p)))
         if found is not None or exactly or not complete or last >= patience:
             return found
         start, state, last, leave = last, states[-1], 2.0 * last, 0.0
+
+
+def _towards_end(flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, left: float) -> tuple[Array, Array]:
+    """Times (K,) from the state u on and states (K, n) of a solution that escapes after about `left`, up to where h of
+    the event k changes its sign.
+
+    Two integrations of one solution escape at times that differ by their errors; those of what is left fall with it.
+    """
+    times, states, begun, side = [np.empty(0)], [np.empty((0, flow.n))], 0.0, np.sign(flow.heights(k, u[None], p)[0])
+    for _ in range(NEARER):
+        left = _fly(flow, u, p, sizes, np.array([2.0 * left])).end_time
+        flight = _fly(flow, u, p, sizes, left * (1.0 - TOWARDS_END))
+        if not len(flight.t):
+            break
+        times.append(begun + flight.t)
+        states.append(flight.u)
+        if np.any(flow.heights(k, flight.u, p) * side <= 0.0):
+            break
+        begun, u, left = begun + float(flight.t[-1]), flight.u[-1], left - float(flight.t[-1])
+    return np.concatenate(times), np.vstack(states)
 
 
 def _fly(

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from contin.problems.hybrid.flow import HybridFlow
 
 POLISHED: Final = 1e-5  # of the time of an arc: the landing is that near
+EARLIER: Final = (1e-6, 1e-4, 1e-2)  # ... and that much before it, in turn, what is left is flown anew
 
 
 @dataclass(frozen=True)
@@ -92,12 +93,31 @@ def pass_through(
 
 
 def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accuracy: float) -> Flown | None:
-    n, m = flow.n, flow.m
+    n = flow.n
     if not (np.isfinite(u).all() and np.isfinite(p).all()):
         return None
     time = first_landing(flow, arc.event, u, p, sizes, arc.length, arc.patience)
     if time is None:
         return None
+    landed = _landed(flow, arc.event, u, p, sizes, accuracy, time)
+    if landed is None:  # next to a singularity, as at the top of a spike: what it is to restart there decides
+        landed = _landed_late(flow, arc, u, p, sizes, accuracy, time)
+    if landed is None:
+        return None
+    time, before, change, rate = landed
+    after = before
+    for k in (arc.event, *arc.then):
+        after, jump = flow.jumped(k, after, p)
+        change = jump[:, :n] @ change
+        change[:, n:] += jump[:, n:]
+    return None if not np.isfinite(after).all() else Flown(arc, u, time, before, after, rate, change)
+
+
+def _flow(
+    flow: HybridFlow, u: Array, p: Array, sizes: Array, accuracy: float, time: float
+) -> tuple[Array, Array] | None:  # fmt: skip
+    """The state after some time, and its derivatives (n, n + m) by the first state and the parameters."""
+    n, m = flow.n, flow.m
     columns = np.concatenate([np.full(n, -1), n + np.arange(m)])
     flight = fly(
         flow.system, u, p, time, variations=np.eye(n, n + m), columns=columns, rtol=accuracy,
@@ -105,17 +125,45 @@ def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accur
     )  # fmt: skip
     if flight.outcome != DONE or not np.isfinite(flight.end).all():
         return None
-    before, change = flight.end[:n], flight.variations
-    surface, field = flow.surface(arc.event, before, p), flow.system.value(before, p)
+    return flight.end[:n], flight.variations
+
+
+def _landed(
+    flow: HybridFlow, event: int, u: Array, p: Array, sizes: Array, accuracy: float, time: float
+) -> tuple[float, Array, Array, float] | None:  # fmt: skip
+    """Exact time, state on the surface, its derivatives and the rate of h there; None where it is not near."""
+    n, found = flow.n, _flow(flow, u, p, sizes, accuracy, time)
+    if found is None:
+        return None
+    before, change = found
+    surface, field = flow.surface(event, before, p), flow.system.value(before, p)
     late = -surface.value / surface.rate if surface.rate != 0.0 else np.nan
     if not abs(late) < POLISHED * time:
         return None
-    before, gradient = before + late * field, surface.gradient
+    gradient = surface.gradient
     by_time = -(gradient[:n] @ change + np.append(np.zeros(n), gradient[n:])) / surface.rate
-    change = change + np.outer(field, by_time)
-    after = before
-    for k in (arc.event, *arc.then):
-        after, jump = flow.jumped(k, after, p)
-        change = jump[:, :n] @ change
-        change[:, n:] += jump[:, n:]
-    return None if not np.isfinite(after).all() else Flown(arc, u, time + late, before, after, surface.rate, change)
+    return time + late, before + late * field, change + np.outer(field, by_time), surface.rate
+
+
+def _landed_late(
+    flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accuracy: float, time: float
+) -> tuple[float, Array, Array, float] | None:  # fmt: skip
+    """`_landed` in two flights, the second from shortly before the surface.
+
+    Where a solution escapes to infinity just beyond, two integrations differ by more than the time between: neither
+    arrives where the other one does.
+    """
+    n = flow.n
+    for part in EARLIER:
+        early = part * time
+        first = _flow(flow, u, p, sizes, accuracy, time - early)
+        left = None if first is None else first_landing(flow, arc.event, first[0], p, sizes, early, arc.patience)
+        if first is None or left is None:
+            continue
+        last = _landed(flow, arc.event, first[0], p, sizes, accuracy, left)
+        if last is None:
+            continue
+        change = last[2][:, :n] @ first[1]
+        change[:, n:] += last[2][:, n:]
+        return time - early + last[0], last[1], change, last[3]
+    return None

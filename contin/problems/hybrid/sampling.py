@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.hybrid.landing import BUDGET, SMALLER
+from contin.problems.hybrid.passage import POLISHED
 from contin.simulate.between_samples import DENSE, ends_of_steps, in_parts, resolving
 from contin.simulate.extrema import extremes_between
 from contin.simulate.flight import fly
@@ -81,11 +82,12 @@ def _extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
         t = _times(problem, z, passage, flown)
         states = _states(problem, z, flown, t)
 
-        def around(row: int, t: Array = t, states: Array = states) -> Array:
+        def around(row: int, flown: Flown = flown, t: Array = t, states: Array = states) -> Array:
             first, last = max(row - 1, 0), min(row + 1, len(t) - 1)
             span = t[last] - t[first]
             wanted = np.linspace(0.0, span, FINER * (last - first) + 1)[1:]
-            return seen(_flown_states(problem, p, states[first], wanted))
+            nearby = _flown_states(problem, p, states[first], wanted)
+            return seen(_up_to_surface(problem, p, flown, t[first] + wanted, nearby))
 
         found = extremes_between(seen(states), around)
         low, high = np.fmin(low, found[0]), np.fmax(high, found[1])
@@ -152,8 +154,22 @@ def arc_samples(problem: CycleOfEvents, z: Array, flown: Flown) -> Array:
 
 def _states(problem: CycleOfEvents, z: Array, flown: Flown, t: Array) -> Array:
     """The states of an arc at times from 0 to its end, before the jump."""
-    states = _flown_states(problem, problem.inner.full_parameters(z), flown.begin, t)
+    p = problem.inner.full_parameters(z)
+    states = _up_to_surface(problem, p, flown, t, _flown_states(problem, p, flown.begin, t))
     states[-1] = flown.before
+    return states
+
+
+def _up_to_surface(problem: CycleOfEvents, p: Array, flown: Flown, t: Array, states: Array) -> Array:
+    """States at times t of an arc, those at its end that are beyond the surface, or escaped, replaced by its last one.
+
+    At the top of a spike the time of landing is known to less than its height asks for.
+    """
+    ending = np.flatnonzero(flown.time - t < POLISHED * flown.time)
+    if not len(ending):
+        return states
+    h = problem.flow.heights(flown.arc.event, states[ending], p)
+    states[ending[~(h * np.sign(flown.rate) < 0.0)]] = flown.before
     return states
 
 

@@ -20,6 +20,7 @@ from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria import defining
+from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.ends.saddle_node import critical_direction, quadratic
@@ -60,24 +61,25 @@ def bottlenecks(problem: FamilyOfOrbits, profile: Profile, sizes: Array, width: 
     """The folds of equilibria in whose neighbourhood the orbit is slow; none if it is slow elsewhere, too."""
     found = []
     for u in slowest_points(problem, profile, sizes):
-        fold = _bottleneck(problem, np.append(u, profile.parameter), sizes, width)
+        fold = bottleneck(equilibria_of(problem), np.append(u, profile.parameter), sizes, width)
         if fold is None or float(np.max(np.abs(fold.z[:-1] - u) / sizes)) > NEAR * extent_of(profile, sizes):
             return []
         found.append(fold)
     return found
 
 
-def _bottleneck(problem: FamilyOfOrbits, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
-    metric = np.append(np.sqrt(problem.n) * sizes, width)
-    solved = defining.fold(ScaledSystem(equilibria_of(problem), metric), guess / metric)
+def bottleneck(rest: EquilibriumProblem, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
+    """The fold of equilibria next to a guess (u, p); None where Newton's method finds none."""
+    metric = np.append(np.sqrt(rest.n) * sizes, width)
+    solved = defining.fold(ScaledSystem(rest, metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:
         return None
     z = solved.y * metric
-    u, p = z[:-1], problem.full_parameters(z)
-    jacobian = problem.system.jacobian(u, p)[1]
-    left, q = critical_direction(jacobian[:, : problem.n] * sizes / sizes[:, None])
-    a = quadratic(problem.system, u, p, sizes, left, q)
-    b = float(left @ (jacobian[:, problem.n + problem.active] / sizes))
+    u, p = z[:-1], rest.full_parameters(z)
+    jacobian = rest.system.jacobian(u, p)[1]
+    left, q = critical_direction(jacobian[:, : rest.n] * sizes / sizes[:, None])
+    a = quadratic(rest.system, u, p, sizes, left, q)
+    b = float(left @ (jacobian[:, rest.n + rest.active] / sizes))
     return Bottleneck(z, solved.error * width, a, b) if a != 0.0 and b != 0.0 else None
 
 

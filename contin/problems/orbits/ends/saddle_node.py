@@ -17,7 +17,7 @@ from contin.abi import Array
 from contin.machine import elementary
 
 if TYPE_CHECKING:
-    from contin.lowering.system import CompiledSystem
+    from contin.systems.protocol import System
 
 STEP: Final = 1e-3  # of the second difference, relative to the states' sizes
 
@@ -45,7 +45,7 @@ def critical_direction(matrix: Array) -> tuple[Array, Array]:
     return p / float(p @ q), q
 
 
-def quadratic(system: CompiledSystem, u: Array, p: Array, sizes: Array, left: Array, q: Array) -> float:
+def quadratic(system: System, u: Array, p: Array, sizes: Array, left: Array, q: Array) -> float:
     """<left, f_uu(q, q)> / 2 in states relative to their sizes, by a second difference."""
     before, here, after = (system.value(u + s * STEP * sizes * q, p) for s in (-1.0, 0.0, 1.0))
     return 0.5 * float(left @ ((before - 2.0 * here + after) / sizes)) / elementary.square(STEP)

@@ -1,0 +1,43 @@
+"""Spikes that escape to infinity just beyond their surface, and intervals between them that grow without bound."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import contin
+
+
+def test_spikes_whose_intervals_grow_thirtyfold_have_their_period_their_height_and_their_multiplier():
+    """v' = I + exp(v) from -10 to 20 takes (10 + log(I + exp(-10)))/I, less what is left at 20, where v' is 5e8.
+
+    Beyond the surface v is infinite after 2e-9: two integrations of an interval differ by more.
+    """
+    model = contin.Model(
+        "exponential", states={"v": -10, "u": 1}, parameters={"I": 1.0},
+        equations={"v": "I + exp(v)", "u": "-0.1*u"}, events=[{"when": "v - 20", "set": {"v": "-10", "u": "u + 1"}}],
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "I", (0.02, 1.0))
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    assert not branch.points
+    assert not branch.notes
+    current = branch.columns["I"]
+    period = (10.0 + np.log(current + np.exp(-10.0)) - np.log1p(current * np.exp(-20.0))) / current
+    np.testing.assert_allclose(branch.columns["period"], period, rtol=1e-10)
+    np.testing.assert_allclose(branch.eigenvalues[:, 1].real, np.exp(-0.1 * period), atol=1e-10)
+    np.testing.assert_allclose(branch.columns["v.max"], 20.0, rtol=1e-12)
+    np.testing.assert_allclose(branch.columns["u.max"], 1.0 / (1.0 - np.exp(-0.1 * period)), rtol=1e-10)
+    assert np.isfinite(branch.columns["norm"]).all()
+
+
+def test_a_quadratic_neuron_stops_at_its_fold():
+    """v' = I + v^2 from -10 to 10 takes 2 atan(10/sqrt(I))/sqrt(I)."""
+    model = contin.Model(
+        "quadratic", states={"v": -10}, parameters={"I": 1.0},
+        equations={"v": "I + v^2"}, events=[{"when": "v - 10", "set": {"v": "-10"}}],
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "I", (-1.0, 1.5))
+    end, root = branch.ends[0], np.sqrt(branch.columns["I"])
+    assert end.reason == "homoclinic"
+    assert abs(end.data["at"]["I"]) <= max(end.data["error"], 1e-15)
+    assert end.data["saddle_node"]
+    np.testing.assert_allclose(branch.columns["period"], 2.0 * np.arctan(10.0 / root) / root, rtol=1e-11)
