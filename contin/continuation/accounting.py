@@ -129,6 +129,28 @@ def passed_again(
     return False
 
 
+def turns_again(
+    row: int, columns: Mapping[str, NDArray[np.float64]], labels: Iterable[tuple[int, Verified, float]]
+) -> bool:  # fmt: skip
+    """True where the parameter turns, just before a row, at a branch point that is one of its own labels elsewhere.
+
+    As in the node of Descartes' folium, where the branch comes back along the other arm. Values between two rows may
+    lie beyond both by as much as they change in the steps beside.
+    """
+    for place, point, _ in labels:
+        if point.type in TWICE and all(_bent(values, row, float(values[place])) for values in columns.values()):
+            return True
+    return False
+
+
+def _bent(values: NDArray[np.float64], row: int, value: float) -> bool:
+    """True where value lies between those of a row and the one before, or beyond as far as the curve may bend."""
+    beside = np.abs(np.diff(values[max(row - 2, 0) : row + 2]))
+    a, b = float(values[row - 1]), float(values[row])
+    slack = float(beside.max()) + ROUNDED * max(abs(a), abs(b), abs(value))
+    return min(a, b) - slack <= value <= max(a, b) + slack
+
+
 def _between(a: float, b: float, value: float) -> bool:
     """True where value lies between two others, or beyond by a part of their distance."""
     slack = BEYOND * abs(b - a) + ROUNDED * max(abs(a), abs(b), abs(value))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.accounting import MET, passed_again, unexplained, untold_turns
+from contin.continuation.accounting import MET, passed_again, turns_again, unexplained, untold_turns
 from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
 from contin.continuation.branch import Branch, End, SpecialPoint
@@ -268,6 +268,7 @@ def _astray(
                 over = gone_level(problem, z, columns, start, known, bounds)
         return [*errors, *(f"{OVER} near {position(problem, z[row])} (row {row})" for row in over)]
     turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
+    turns = [row for row in turns if not turns_again(row, columns, labels)]
     over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale, NOISE)
     places = [*((TURNED, row) for row in turns), *((OVER, row) for row in over)]
     return [f"{text} near {position(problem, z[row])} (row {row})" for text, row in places]

@@ -165,3 +165,16 @@ def test_a_fold_of_a_complex_equation_is_a_branch_point_with_a_kernel_of_two():
     assert line.unexplained == 0
     other = contin.continuation(line["BP1"].switch(), "p", (-1.0, 2.0))
     assert sorted(other.columns["y"][[0, -1]].tolist()) == pytest.approx([-1.0, 1.0])
+
+
+def test_a_branch_that_turns_at_its_own_node_has_no_turn_untold():
+    """Descartes' folium x^3 + p^3 = 3 x p: one arm passes the node as x = p^2/3, the other turns there, p = x^2/3."""
+    model = contin.Model(
+        "folium", kind="algebraic", states={"x": 0.03}, parameters={"p": 0.3}, equations={"x": "x^3 + p^3 - 3*x*p"}
+    )
+    branch = contin.continuation(contin.equilibrium(model), "p", (-1.0, 3.0))
+    assert [(point.type, round(point.values["p"], 9)) for point in branch.points] == [
+        ("BP", 0.0), ("LP", round(4.0 ** (1.0 / 3.0), 9)),
+    ]  # fmt: skip
+    assert not branch.notes
+    assert not branch.unexplained
