@@ -29,6 +29,7 @@ _EXPORTS = {
     "from_jax": "contin.systems.functions.automatic",
     "from_petsc": "contin.systems.functions.petsc",
     "load": "contin.model.registry",
+    "multigrid": "contin.linalg.multigrid",
     "lyapunov": "contin.exponents.lyapunov",
     "manifold": "contin.api",
     "periodic_orbit": "contin.api",

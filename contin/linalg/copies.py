@@ -13,8 +13,9 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.linalg.dense_pencil import every_of_pencil
-from contin.linalg.eigen import CONVERGED, INDEPENDENT, SOLVED, Inverse, Spectrum, orthonormal, outside
+from contin.linalg.eigen import CONVERGED, SOLVED, Inverse, Spectrum
 from contin.linalg.linear import Linear
+from contin.linalg.orthonormal import INDEPENDENT, orthonormal, outside
 from contin.linalg.vectors import norm
 
 ROUNDS: Final = 64  # as many copies are looked for

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.linalg.eigen import CONVERGED, INDEPENDENT, MEMORY, Spectrum
+from contin.linalg.eigen import CONVERGED, MEMORY, Spectrum
+from contin.linalg.orthonormal import INDEPENDENT
 from contin.linalg.vectors import norm
 
 PRODUCTS: Final = 40

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.linalg.eigen import Spectrum, orthonormal, outside
+from contin.linalg.eigen import Spectrum
 from contin.linalg.linear import Linear
+from contin.linalg.orthonormal import orthonormal, outside
 from contin.linalg.vectors import inner, mixed, norm
 from contin.machine import elementary
 

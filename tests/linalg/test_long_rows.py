@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from contin.linalg.eigen import Region, orthonormal, outside
+from contin.linalg.eigen import Region
+from contin.linalg.orthonormal import orthonormal, outside
 from contin.linalg.vectors import inner, mixed
 
 

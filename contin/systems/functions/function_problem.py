@@ -47,7 +47,7 @@ class FunctionProblem(GivenFunction):
         measured in proportion to them, and want them where they have units of their own. Default 1.
     source, expect : as in a model file: where the problem comes from, and points that runs must find (numbers only).
     preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r: GMRES takes it in place of factors. It
-        is made anew where it has become worse.
+        is made anew where it has become worse. `contin.multigrid` of the Jacobian is one, for diffusions.
     arrays : (from numpy, to numpy), such as (cupy.asarray, cupy.asnumpy): all functions get arrays of that module and
         return them; `jacobian` then returns v -> dF/du v.
     mass : M of M u' = F(u, p), constant: a vector (its diagonal), an array or a scipy.sparse matrix. It may be singular
