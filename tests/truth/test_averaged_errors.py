@@ -64,7 +64,7 @@ def test_folds_of_a_cosine_are_at_zeros_of_a_bessel_function():
     assert np.all(np.diff([abs(point.values["a"]) for point in found]) != 0.0)
 
 
-@pytest.mark.parametrize("method", ["collocation", "shooting"])
+@pytest.mark.parametrize("method", ["collocation", pytest.param("shooting", marks=pytest.mark.long)])
 def test_folds_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
     """Detuned, the same averages are orbits: circles whose folds are those of r' above."""
     model = slow("a*y - y*cos(1.3*x) - d*x", {"a": 0.9, "d": 1.0}, "cartesian")
@@ -80,7 +80,8 @@ def test_folds_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
         assert 1e-12 < point.error < 1e-9, "the quadrature's part"
 
 
-@pytest.mark.parametrize("method", ["collocation", pytest.param("shooting", marks=pytest.mark.long)])
+@pytest.mark.long  # every day: the folds above
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
 def test_cusps_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
     """a = 2 J1(s)/s + 3/4 c r^2, s = 1.3 r: by s^2 it is -J2/s^2 + 3 c/(4 1.3^2), and once more J3/(2 s^3)."""
     model = slow("a*y - y*cos(1.3*x) - c*y^3 - d*x", {"a": 0.9, "c": 0, "d": 1.0}, "cartesian")

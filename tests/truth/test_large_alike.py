@@ -16,7 +16,7 @@ def check(seed):
         assert abs(point.values["lam"] - place) <= max(1e-10, 3 * point.error)
 
 
-@pytest.mark.parametrize("seed", [11, 37])
+@pytest.mark.parametrize("seed", [11, pytest.param(37, marks=pytest.mark.long)])
 def test_labels_are_those_that_were_planted(seed):
     check(seed)
 

@@ -125,7 +125,7 @@ def test_the_diagram_of_the_averaged_pair(box, points):
     assert sum("imaginary all along" in note for note in diagram.notes) == 2  # one for each of the two lines
 
 
-@pytest.mark.parametrize("form", ["stokes", "polar"])
+@pytest.mark.parametrize("form", [pytest.param("stokes", marks=pytest.mark.long), "polar"])  # stokes: above
 def test_the_pair_has_the_same_states_in_every_form(form):
     """Rest is one state, stable everywhere; amplitudes are no states of their own with their signs turned."""
     slow = contin.average(contin.load("metronomes/pair"), form=form)

@@ -70,7 +70,7 @@ def assert_only(branch, wanted: dict[str, tuple[float, ...]], name: str) -> None
         assert p.normal_form or any(note.startswith(f"{p.type}: ") for note in branch.notes)
 
 
-@METHODS
+@ONE_BY_DEFAULT
 def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes(method):
     """s' = p s + q s^3 - s^5, z' = -z: PD at p = 0 with c = q, the eigenfunction having |s| = 1."""
     equations = twisted(f"p + q*{SQUARE} - ({SQUARE})^2", "-1")

@@ -53,7 +53,7 @@ def test_the_equations_jacobian_is_their_derivative():
             np.testing.assert_allclose((ends[0] - ends[1]) / 2e-5, column, atol=1e-3 * size)
 
 
-@pytest.mark.parametrize("segments", [None, 3])
+@pytest.mark.parametrize("segments", [pytest.param(None, marks=pytest.mark.long), 3])
 def test_period_doublings_of_the_roessler_system_pass_through_published_points(segments):
     """Points of AUTO-07p (NTST 50, EPSL 1e-10), b = 2; by one segment and by several."""
     line = api.continuation(api.equilibrium(contin.load("classics/roessler"), None, {"a": 0.2}), "a", (0.0, 0.5))

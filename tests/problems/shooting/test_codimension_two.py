@@ -118,7 +118,9 @@ def test_degenerate_period_doubling():
     assert "case" not in form
 
 
-@pytest.mark.parametrize("change", [{}, JUMPING], ids=["smooth", "jumping"])
+@pytest.mark.parametrize(
+    "change", [pytest.param({}, id="smooth", marks=pytest.mark.long), pytest.param(JUMPING, id="jumping")]
+)
 def test_degenerate_torus(change):
     """v' = (p + q R - 0.7 R^2 + i (0.3 + R/10)) v with R = |v|^2 = 2 |xi|^2, over 2 pi, as a rate."""
     x, y = amplitude("c", "d", "p + q*(c^2 + d^2) - 0.7*(c^2 + d^2)^2", "(0.3 + 0.1*(c^2 + d^2))")

@@ -140,7 +140,7 @@ def test_one_metronome_folds_at_its_averaged_value_up_to_first_order(name):
     assert 1.7 < errors[0] / errors[1] < 2.5
 
 
-@pytest.mark.parametrize("eps", [0.04, 0.01])
+@pytest.mark.parametrize("eps", [0.04, pytest.param(0.01, marks=pytest.mark.long)])
 def test_a_fold_at_a_corner_is_found_whatever_the_step(eps):
     # the escapement of constant force ends at x2: the family turns where its orbit just reaches that far
     found = []

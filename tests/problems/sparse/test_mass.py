@@ -56,7 +56,7 @@ def assert_alike(ours, theirs, digits: float = 1e-9) -> list[str]:
     return [p.type for p in ours.points]
 
 
-@pytest.mark.parametrize("m", [20, 31])  # all eigenvalues; Arnoldi's method
+@pytest.mark.parametrize("m", [pytest.param(20, marks=pytest.mark.long), 31])  # all eigenvalues; Arnoldi's method
 def test_a_regular_mass_matrix_changes_no_label_and_no_coefficient(m):
     plain = brusselator(m)
     lines = [contin.continuation(f, "B", (5.0, 5.3)) for f in (weighed(plain, regular(2 * m)), plain)]
@@ -241,7 +241,9 @@ def bratu_by(elements: bool, n: int) -> contin.FunctionProblem:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("elements", [True, False], ids=["elements", "differences"])
+@pytest.mark.parametrize(
+    "elements", [pytest.param(True, id="elements"), pytest.param(False, id="differences", marks=LONG)]
+)
 def test_folds_and_eigenvalues_of_linear_elements_converge_with_second_order(elements):
     exact, off, rates = 3.513830719125162, [], []
     for n in (15, 31, 63):
@@ -254,7 +256,7 @@ def test_folds_and_eigenvalues_of_linear_elements_converge_with_second_order(ele
     assert (rates[2] < 0.0) == elements  # elements overestimate the rate of decay, differences underestimate it
 
 
-@pytest.mark.parametrize("changed", [INDEX_1, INDEX_2])
+@pytest.mark.parametrize("changed", [pytest.param(with_algebraic, id="index 1", marks=LONG), INDEX_2])
 def test_orbits_with_a_singular_mass_matrix_are_those_of_the_reduced_flow(changed):
     """Stuart and Landau: r^2 = mu, period 2 pi / (1 + b mu), one multiplier exp(-2 mu T)."""
 
