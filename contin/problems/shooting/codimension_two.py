@@ -21,7 +21,7 @@ from contin.normalforms.result import NO_FORM
 from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.orbits.normal_forms.of_return_maps import MeasuredMap, coefficients_of
 from contin.problems.shooting.normal_form import length_across_fold
-from contin.problems.shooting.return_map import HIGHEST, ReturnMap
+from contin.problems.shooting.return_map import HIGHEST, ReturnMap, lengths_of_steps
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def with_coefficients(point: Verified, theta: float, problem: ShotFamily, z: Arr
 
     theta : the angle of the critical multiplier.  z : the orbit in the problem's unknowns.
     """
-    returns = ReturnMap(problem, z, sizes)
+    returns = ReturnMap(problem, z, lengths_of_steps(problem, z, sizes))
     try:
         maps = _measured(returns, 1), _measured(returns, 2)
         form = coefficients_of(point.type, theta, maps, lambda jet: _with_noise(jet, returns))

@@ -29,7 +29,7 @@ from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.orbits.normal_forms.normal_form import stated
-from contin.problems.shooting.return_map import ReturnMap
+from contin.problems.shooting.return_map import ReturnMap, lengths_of_steps
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
@@ -94,7 +94,8 @@ def coefficient(returns: ReturnMap, type_: str, theta: float, factor: int = 1) -
 
 def with_normal_form(problem: ShotEquations, point: Verified, scale: Array) -> Verified:
     """The point with b, c or d, its error, and the criticality of PD and NS; what cannot be computed is a remark."""
-    returns = ReturnMap(problem, point.z, problem.sizes(point.z, scale))
+    sizes = lengths_of_steps(problem, point.z, problem.sizes(point.z, scale))
+    returns = ReturnMap(problem, point.z, sizes)
     theta = float(point.vectors["theta"])
     try:
         fine, coarse = (coefficient(returns, point.type, theta, factor) for factor in (1, 2))

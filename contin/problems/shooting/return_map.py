@@ -22,7 +22,9 @@ from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
 from contin.problems.no_derivatives import NoDerivatives
+from contin.problems.orbits.mesh.sizes import state_sizes
 from contin.problems.shooting.layout import Nodes
+from contin.problems.shooting.sampling import sampled
 from contin.problems.shooting.sizes import ABSOLUTE, absolute_tolerances
 from contin.simulate.flight import fly
 
@@ -37,7 +39,16 @@ NOISE: Final = 10.0  # trajectories' errors beside their accuracy
 TOGETHER: Final = 1e-7  # of the period: crossings this close are one
 LONGEST: Final = 2.0  # of the period: a trajectory beside the orbit that has not returned by then
 RETURNS: Final = 8  # Newton steps for the time of return
-SAMPLES: Final = 256  # of a variation over a period
+SAMPLES: Final = 256  # of a variation over a period, ...
+GAUSS: Final = 4  # ... and within parts of it
+
+
+def lengths_of_steps(problem: ShotFamily, z: Array, sizes: Array) -> Array:
+    """Sizes of the states (n,) for differences: those of a metric, or of the orbit where it is smaller.
+
+    A family's metric grows with its orbits and does not shrink: what is a small step there may lead across a corner.
+    """
+    return np.minimum(sizes, state_sizes(problem, sampled(problem, z)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,13 +235,29 @@ class ReturnMap:
 
     def _mean_square(self, v: Vector, across: bool = False) -> float:
         """Of the variation that begins with v, over a period; of its part `across` the orbit."""
-        period = self.nodes.period
-        times = (np.arange(SAMPLES) + 0.5) / SAMPLES * period
+        times, weights = self._quadrature
         parts = np.column_stack([v.real, v.imag])
-        samples, n = self._fly(self.nodes.u[0], period, variations=parts, times=times).samples, self.problem.n
-        mean = float(np.mean(np.sum(elementary.square(samples[:, n:]), axis=1)))
+        flight, n = self._fly(self.nodes.u[0], self.nodes.period, variations=parts, times=times), self.problem.n
+        samples = flight.samples
+        mean = float(weights @ np.sum(elementary.square(samples[:, n:]), axis=1))
         if across:
             field = np.array([self._slope(u) for u in samples[:, :n]])
-            along = float(np.mean(np.sum(field * samples[:, n : 2 * n], axis=1)))
-            mean -= elementary.square(along) / float(np.mean(np.sum(elementary.square(field), axis=1)))
+            along = float(weights @ np.sum(field * samples[:, n : 2 * n], axis=1))
+            mean -= elementary.square(along) / float(weights @ np.sum(elementary.square(field), axis=1))
         return mean
+
+    @cached_property
+    def _quadrature(self) -> tuple[Array, Array]:
+        """Times of a period and weights of a mean over it: equally far apart, where all is smooth and periodic (the
+        error falls faster than any power); by Gauss's rule between crossings of surfaces, where variations jump."""
+        period = self.nodes.period
+        if not self.problem.system.n_switches:
+            return (np.arange(SAMPLES) + 0.5) / SAMPLES * period, np.full(SAMPLES, 1.0 / SAMPLES)
+        crossed = self._fly(self.nodes.u[0], period).crossings[:, 0]
+        ends = np.unique(np.concatenate([[0.0, period], crossed[(crossed > 0.0) & (crossed < period)]]))
+        counts = np.ceil(np.diff(ends) / period * (SAMPLES // GAUSS)).astype(int)
+        edges = np.concatenate([np.linspace(a, b, k + 1)[:-1] for a, b, k in zip(ends, ends[1:], counts, strict=False)])
+        lengths = np.diff(np.append(edges, period))
+        points, weights = np.polynomial.legendre.leggauss(GAUSS)
+        times = edges[:, None] + lengths[:, None] * (0.5 + 0.5 * points)
+        return times.ravel(), np.outer(lengths, 0.5 * weights).ravel() / period
