@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Vector
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import inner, mixed, norm
 from contin.machine import elementary
 
 Operator = Callable[[Vector], Vector]
@@ -101,12 +101,9 @@ def _cycle(
     steps, left = 0, beta
     for k in range(RESTART):
         directions[k] = precondition(basis[k])
-        w = apply(directions[k])
+        w = np.array(apply(directions[k]), kind)
         column = np.zeros(k + 2, kind)
-        for _ in range(2):  # orthogonalised twice
-            h = np.einsum("ij,j->i", basis[: k + 1].conj(), w)
-            w = w - np.einsum("i,ij->j", h, basis[: k + 1])
-            column[: k + 1] += h
+        column[: k + 1] = _orthogonalised(w, basis[: k + 1])
         length = norm(w)
         column[k + 1] = length
         if not np.all(np.isfinite(column)):  # LAPACK would print that
@@ -116,7 +113,7 @@ def _cycle(
         if k + 1 == len(basis):
             basis = np.concatenate([basis, np.empty_like(basis)])
             directions = np.concatenate([directions, np.empty_like(directions)])
-        basis[k + 1] = w / length if length > 0.0 else 0.0
+        np.divide(w, length if length > 0.0 else 1.0, out=basis[k + 1])
         met = check is not None and check(smallest.solution(), directions[: k + 1], left)
         if met or left <= goal or length <= 1e-14 * beta:
             break
@@ -124,6 +121,20 @@ def _cycle(
         learn(directions[:steps], basis[: steps + 1], smallest.hessenberg[: steps + 1, :steps])
     y, left = smallest.solution(), smallest.residual()
     return np.einsum("i,ij->j", y, directions[:steps]), steps, left
+
+
+def _orthogonalised(w: Vector, basis: Vector) -> Vector:
+    """The parts of w along orthonormal rows, which are taken away from it in place; twice."""
+    parts = np.zeros(len(basis), basis.dtype)
+    for _ in range(2):
+        if basis.dtype == float:
+            h = inner(w[None], basis)
+            mixed(-h, basis, added_to=w[None])
+        else:
+            h = np.einsum("ij,j->i", basis.conj(), w)[None]
+            w -= np.einsum("i,ij->j", h[0], basis)
+        parts += h[0]
+    return parts
 
 
 class _SmallestResidual:
