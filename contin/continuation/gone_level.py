@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.gone_over import APART, way_back
 from contin.continuation.problem import Problem
+from contin.continuation.way_back import APART, way_back
 from contin.records import Record
 
 LEVEL: Final = 1e-3  # part of a column's rate that is left two steps later

@@ -20,22 +20,12 @@ from contin.abi import Array
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 from contin.continuation.singular_between import singular_between
+from contin.continuation.unexplained_steps import NEXT, ROUNDED, VANISHED, suspicious
+from contin.continuation.way_back import APART, ASIDE, CLEAR, LED, LEFT, MET, RETURNED, Answer, followed, way_back
 
-UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
-STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
-VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
-LED: Final = 0.2  # of what changes in the step: how far the way back is from what is foretold where it jumps itself
-LEFT: Final = 0.1  # of how far the way back has led: what the corrector has left in the row where it begins
 SOLVED: Final = 1e-8  # scaled: what the corrector leaves in rows
-ASIDE: Final = 0.01  # of the way to another solution: a guess from which one is found again to what is known of it
-CLEAR: Final = 10.0  # times what is not known of a solution: a difference that is none of it
-ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the rounding of one that is zero
-APART: Final = 0.5  # of a state's change: two solutions that differ by more are two
-RETURNED: Final = 1e-3  # of how far the way back has led: where it begins, found again from its end
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs a few times `PARTS` solutions
-PARTS: Final = 8  # of a step, on the way back at fixed parameters
 BLOCK: Final = 1_000_000  # numbers that are looked at at once
-NEXT: Final = 3  # rows: one or two that the corrector leaves between two branches are none of either
 
 
 def gone_over(
@@ -46,27 +36,27 @@ def gone_over(
     labelled : rows of special points, where branches meet.  noise : rounding of rows, in scaled unknowns.
     """
 
-    def two(rows: NDArray[np.intp]) -> bool:
+    def compared(rows: NDArray[np.intp]) -> Answer:
         steps = ([a, b] for a, b in pairwise(rows))
         if all(_on_one_curve(problem, z[step], tangents[step], scale) for step in steps):
-            return False
-        return _are_two(problem, z[rows], scale, noise)
+            return Answer.ONE
+        return _compared(problem, z[rows], scale, noise)
 
     return first_beyond(
         len(z), start, labelled,
-        lambda rows, sense: _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise), two, MOST,
+        lambda rows, sense: _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise), compared, MOST,
     )  # fmt: skip
 
 
 def first_beyond(
     count: int, start: int, labelled: set[int], strange: Callable[[NDArray[np.intp], int], Array],
-    are_two: Callable[[NDArray[np.intp]], bool], most: int,
+    compared: Callable[[NDArray[np.intp]], Answer], most: int,
 ) -> list[int]:  # fmt: skip
     """The first of `count` rows on both ways from `start` that are beyond a step between two branches.
 
     strange : of rows in turn, whose tangents have this sense, how suspicious the step from each one is, 0 where it is
-    not.  are_two : whether the first and the last of some rows are of two branches; asked of the `most` strangest steps
-    on each way, and, where rows change to and fro between two branches, of a step's own rows.
+    not.  compared : of some rows, whether they are of one branch; asked of the `most` strangest steps on each way, and,
+    where rows may change to and fro between two branches, of a step's own rows.
     """
     found = []
     for sense in (1, -1):
@@ -80,7 +70,11 @@ def first_beyond(
         for k in sorted(sorted(steps, key=lambda step: -how[step])[:most]):
             last = min(k + NEXT, len(rows) - 1)
             beyond = (last - 1, last) if k + NEXT < len(rows) else (last,)
-            if all(are_two(rows[k : row + 1]) for row in beyond) or (last > k + 1 and are_two(rows[k : k + 2])):
+            answers = {compared(rows[k : beyond[0] + 1])}
+            if answers == {Answer.TWO} and len(beyond) > 1:
+                answers.add(compared(rows[k : beyond[1] + 1]))
+            alone = answers != {Answer.TWO} and Answer.ONE not in answers and last > k + 1
+            if answers == {Answer.TWO} or (alone and compared(rows[k : k + 2]) is Answer.TWO):
                 found.append(int(rows[k + 1]))
                 break
     return sorted(found)
@@ -101,61 +95,19 @@ def _suspicious(
     return found
 
 
-def suspicious(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array] = np.abs) -> Array:
-    """(K - 1, k), of rows y with tangents t: which part of a step is not what slopes lead to, 0 where it may pass.
-
-    noise : what is not known of rows, or (K - 1, 1) of steps.
-    alone : lengths (K, k) of what is asked by itself, of values (K, N): each unknown, or each function.
-    """
-    far = np.minimum(np.arange(len(y) - 1) + NEXT, len(y) - 1)
-    return np.maximum(_unexplained(y, t, noise, alone), _vanishing(y[:-1], y[far], t[:-1], t[far], noise, alone))
-
-
-def _unexplained(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array]) -> Array:
-    """Where the parameter goes one way, and an unknown not as its slopes say."""
-    t = t / np.linalg.norm(t, axis=1)[:, None]
-    step, slopes = y[1:] - y[:-1], alone(t)
-    h, moved, steep = np.linalg.norm(step, axis=1)[:, None], alone(step), np.maximum(slopes[1:], slopes[:-1])
-    apart = _part(alone(step - 0.5 * h * (t[1:] + t[:-1])), np.maximum(steep * h, moved), UNEXPLAINED)
-    bend = (t[1:] - t[:-1]) / np.where(h > 0.0, h, 1.0)
-    if len(bend) > 1:
-        turned = _part(alone(bend[1:] - bend[:-1]) * h[1:], steep[1:], STRAY)
-        apart[1:] = np.maximum(apart[1:], UNEXPLAINED / STRAY * turned)
-    return np.asarray(apart * ((moved > noise) & (t[1:, -1:] * t[:-1, -1:] > 0.0)))
-
-
-def _part(left: Array, whole: Array, least: float) -> Array:
-    """left / whole, 0 where that is less than `least`."""
-    sure = left > least * whole
-    return np.asarray(np.where(sure, left / np.where(sure & (whole > 0.0), whole, 1.0), 0.0))
-
-
-def _vanishing(
-    near: Array, far: Array, t_near: Array, t_far: Array, noise: float | Array, alone: Callable[[Array], Array]
-) -> Array:  # fmt: skip
-    """Of points and others a few rows on: where the slopes do not lead to how little is left, of unknowns or of slopes
-    that would have changed them by more than noise."""
-    moved, before, steep, level = far - near, alone(near), alone(t_near), alone(t_far)
-    length = np.linalg.norm(moved, axis=1)[:, None]
-    left = np.maximum(alone(moved - length * t_far), alone(moved - 0.5 * length * (t_near + t_far)))
-    little = _part(left, before, UNEXPLAINED) * ((alone(far) < VANISHED * before) & (before > ROUNDED))
-    flat = _part(left, length * steep, UNEXPLAINED) * (level < VANISHED * steep)
-    flat *= (length * steep > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)
-    return np.maximum(little, flat)
-
-
 def _on_one_curve(problem: Problem, z: Array, tangents: Array, scale: Array) -> bool:
     """True where solutions inside a step are those of a smooth branch through its two rows."""
-    width = float(z[1, -1] - z[0, -1])
-    if np.any(tangents[:, -1] == 0.0) or width == 0.0:
+    if np.any(tangents[:, -1] == 0.0) or z[0, -1] == z[1, -1]:
         return False
-    rise, fall = (width * t / t[-1] for t in tangents)
-    step = Step(z[0], rise, width, scale)
+    length = float(np.linalg.norm((z[1] - z[0]) / scale))
+    rise, fall = length * tangents / np.linalg.norm(tangents / scale, axis=1)[:, None]
+    rise, fall = (v * np.sign((z[1] - z[0])[-1] * v[-1]) for v in (rise, fall))
+    step = Step((z[0], z[1]), rise, (rise[-1:], fall[-1:]), scale)
     return on_cubic(problem, step, (z[0], z[1]), (rise, fall), lambda found: found, np.abs, ROUNDED * scale)
 
 
-def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
-    """True where the solution at the last of some rows goes back, by their parameters, to another than the first.
+def _compared(problem: Problem, z: Array, scale: Array, noise: float) -> Answer:
+    """Whether the solution at the last of some rows goes back, by their parameters, to them, or to another branch.
 
     Beside a branch point the way back may itself lead over to another branch; from its end it does not return, then.
     """
@@ -164,46 +116,34 @@ def _are_two(problem: Problem, z: Array, scale: Array, noise: float) -> bool:
     nearby = None if first is None else problem.at_parameter(first + ASIDE * (there - first), float(here[-1]), scale)
     last = problem.at_parameter(there.copy(), float(there[-1]), scale)
     if first is None or nearby is None or last is None:
-        return False
+        return Answer.UNKNOWN
     known = np.maximum(CLEAR * np.abs(nearby - first), noise * scale)
-    places = way_back(z[::-1, -1])
-    at, hop = followed(problem, last, places, scale)
-    if at is None or np.any((hop[:-1] > LED * np.abs(first - last)[:-1]) & (np.abs(first - last) > known)[:-1]):
-        return singular_between(problem, first, last, scale, lambda one, other: np.abs(one - other)[:-1], known[:-1])
+    places, moved = way_back(z[::-1, -1]), np.abs(first - last)
+    back, hop = followed(problem, last, places, scale)
+    if not back or np.any(((hop > LED * moved) & (moved > known))[:-1]):
+        two = singular_between(problem, first, last, scale, lambda one, other: np.abs(one - other)[:-1], known[:-1])
+        return Answer.TWO if two else Answer.UNKNOWN
+    solved = np.maximum(known, SOLVED * scale)
+    near = np.maximum(MET * moved, known)
+    if all(np.all(np.abs(found - row) <= near) for found, row in zip(back, z[-2::-1], strict=True)):
+        return Answer.ONE
+    at = back[-1]
     far = np.maximum(np.abs(at - last), np.abs(at - first))
-    if np.any(np.abs(last - there) > np.maximum(LEFT * far, np.maximum(known, SOLVED * scale))):
-        return False
-    moved, apart, size = (np.abs(v)[:-1] for v in (first - last, at - first, first))
-    away = (apart > APART * moved) & (moved > known[:-1]) & (hop[:-1] < APART * apart)
-    falls = (np.abs(last[:-1]) < VANISHED * size) & (np.abs(at[:-1]) < VANISHED * size)
-    falls &= (np.abs(first - here)[:-1] < APART * np.abs(here[:-1])) & (size > ROUNDED * scale[:-1])
-    if not np.any(away | falls):
-        return False
+    if np.any(np.abs(last - there) > np.maximum(LEFT * far, solved)):
+        return Answer.UNKNOWN
+    if not np.any(_leads_away(here, first, last, at, known, hop, scale)[:-1]):
+        return Answer.UNKNOWN
     again, _ = followed(problem, at, [*places[-2::-1], float(there[-1])], scale)
-    if again is None:
-        return False
-    return bool(np.all(np.abs(again - last) <= np.maximum(RETURNED * far, known)))
+    returns = again and np.all(np.abs(again[-1] - last) <= np.maximum(RETURNED * far, known))
+    return Answer.TWO if returns else Answer.UNKNOWN
 
 
-def followed(
-    problem: Problem, start: Array, places: list[float], scale: Array,
-    length: Callable[[Array, Array], Array] = lambda _, change: np.abs(change),
-) -> tuple[Array | None, Array]:  # fmt: skip
-    """The solution at the last of some parameters in turn, and how far one was from what was foretold.
-
-    length : (k,), each compared by itself, of a solution and how far it is from what was foretold.
-    """
-    at, before, hop = start, None, np.zeros(1)
-    for place in places:
-        guess = at.copy() if before is None else 2.0 * at - before
-        found = problem.at_parameter(guess.copy(), place, scale)
-        if found is None:
-            return None, hop
-        before, at, hop = at, found, np.maximum(hop, length(found, found - guess))
-    return at, hop
-
-
-def way_back(parameters: Array) -> list[float]:
-    """From the first of some values to the last, by all of them, each step in `PARTS` parts."""
-    steps = [a + (b - a) * np.arange(1, PARTS + 1) / PARTS for a, b in pairwise(parameters)]
-    return [float(place) for step in steps for place in step]
+def _leads_away(
+    here: Array, first: Array, last: Array, at: Array, known: Array, hop: Array, scale: Array
+) -> NDArray[np.bool_]:  # fmt: skip
+    """Which unknowns are elsewhere at the end of the way back, or all but zero on it and not at the row before."""
+    moved, apart, size = (np.abs(v) for v in (first - last, at - first, first))
+    away = (apart > APART * moved) & (moved > known) & (hop < APART * apart)
+    falls = (np.abs(last) < VANISHED * size) & (np.abs(at) < VANISHED * size)
+    falls &= (np.abs(first - here) < APART * np.abs(here)) & (size > ROUNDED * scale)
+    return np.asarray(away | falls)

@@ -15,22 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.gone_over import (
-    APART,
-    ASIDE,
-    CLEAR,
-    LED,
-    LEFT,
-    RETURNED,
-    VANISHED,
-    first_beyond,
-    followed,
-    suspicious,
-    way_back,
-)
+from contin.continuation.gone_over import first_beyond
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 from contin.continuation.singular_between import singular_between
+from contin.continuation.unexplained_steps import VANISHED, suspicious
+from contin.continuation.way_back import APART, ASIDE, CLEAR, LED, LEFT, MET, RETURNED, Answer, followed, way_back
+from contin.machine import elementary
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
 SOLVED: Final = 1e-9  # of a function's size: what the corrector leaves in rows, on one mesh
@@ -61,7 +52,7 @@ def gone_over_on_meshes(
 
     def alone(values: Array) -> Array:
         parts = values[:, :-1].reshape(len(values), -1, len(sizes))
-        return np.column_stack([np.linalg.norm(parts, axis=1), np.abs(values[:, -1])])
+        return np.column_stack([np.sqrt(np.einsum("kpf,kpf->kf", parts, parts)), np.abs(values[:, -1])])
 
     y, t = flat(functions, z[:, -1]), flat(slopes, tangents[:, -1])
 
@@ -76,39 +67,49 @@ def gone_over_on_meshes(
             steps[moved] = beyond(rows, sense, NOISE)[moved]
         return steps
 
-    def two(rows: NDArray[np.intp]) -> bool:
+    def compared(rows: NDArray[np.intp]) -> Answer:
         steps = ([a, b] for a, b in pairwise(rows))
         if all(on_one_curve(problem, z[step], tangents[step], sizes, bounds) for step in steps):
-            return False
-        return _are_two(problem, z[rows], sizes, bounds)
+            return Answer.ONE
+        return _compared(problem, z[rows], sizes, bounds)
 
     most = int(np.clip(MOST * LARGE / z.shape[1], FEWEST, MOST))
-    return first_beyond(len(z), start, labelled, strange, two, most)
+    return first_beyond(len(z), start, labelled, strange, compared, most)
 
 
 def on_one_curve(problem: Problem, z: Array, tangents: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
     """True where solutions inside a step are those of a smooth branch through its two rows z, raw tangents beside."""
     here, there = (row[np.isfinite(row)] for row in z)
-    width = float(z[1, -1] - z[0, -1])
-    if np.any(tangents[:, -1] == 0.0) or width == 0.0:
+    way = float(z[1, -1] - z[0, -1])
+    if np.any(tangents[:, -1] == 0.0) or way == 0.0:
         return False
     values = [problem.at_shared_places(row, row) for row in z]
-    rise, fall = (width * problem.at_shared_places(row, t) / t[-1] for row, t in zip(z, tangents, strict=True))
+    slopes = [problem.at_shared_places(row, t) for row, t in zip(z, tangents, strict=True)]
+    width = bounds[1] - bounds[0]
+
+    def whole(change: Array, p: float) -> float:
+        return float(np.sqrt(np.sum(elementary.square(_size(change) / sizes)) + elementary.square(p / width)))
+
+    length = whole(values[1] - values[0], way)
+    per = [np.sign(way * t[-1]) * length / whole(v, t[-1]) for v, t in zip(slopes, tangents, strict=True)]
+    rise, fall = (factor * v for factor, v in zip(per, slopes, strict=True))
+    ahead, behind = (factor * t for factor, t in zip(per, tangents, strict=True))
+    moved = problem.on_mesh_of(there, here)
+    scale = np.maximum(problem.initial_scale(here, bounds), problem.initial_scale(moved, bounds))
     noise = SOLVED
-    sizes_there = problem.initial_scale(problem.on_mesh_of(there, here), bounds)
-    scale = np.maximum(problem.initial_scale(here, bounds), sizes_there)
     if not problem.of_one_mesh(here, there):
         noise = max(noise, *(CLEAR * problem.mesh_error(row, sizes) for row in (here, there)))
-    first = width * tangents[0, -here.size :] / tangents[0, -1]
+    step = Step((here, moved), ahead[-here.size :], (ahead[-1:], behind[-1:]), scale)
     return on_cubic(
-        problem, Step(here, first, width, scale), (values[0], values[1]), (rise, fall),
+        problem, step, (values[0], values[1]), (rise, fall),
         lambda found: problem.at_shared_places(found, found), _size, noise * sizes,
     )  # fmt: skip
 
 
-def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> bool:
-    """True where the solution at the last of some rows goes back, by their parameters, to another than the first."""
-    here, there = (row[np.isfinite(row)] for row in (z[0], z[-1]))
+def _compared(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, float]) -> Answer:
+    """Whether the solution at the last of some rows goes back, by their parameters, to them, or to another branch."""
+    rows = [row[np.isfinite(row)] for row in z]
+    here, there = rows[0], rows[-1]
     start = problem.on_mesh_of(here, there)
     scale = np.maximum(problem.initial_scale(there, bounds), problem.initial_scale(start, bounds))
 
@@ -121,27 +122,33 @@ def _are_two(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, floa
     first = problem.at_parameter(start.copy(), float(here[-1]), scale)
     last = problem.at_parameter(there.copy(), float(there[-1]), scale)
     if first is None or last is None or first.size != last.size:
-        return False
+        return Answer.UNKNOWN
     nearby = problem.at_parameter(first + ASIDE * (there - first), float(here[-1]), scale)
-    places = way_back(z[::-1, -1])
-    at, hop = followed(problem, last, places, scale, length)
     if nearby is None:
-        return False
+        return Answer.UNKNOWN
+    places = way_back(z[::-1, -1])
+    back, hop = followed(problem, last, places, scale, length)
     known = np.maximum(CLEAR * apart(nearby, first), ROUNDED * sizes)
     moved = apart(first, last)
-    if at is None or np.any((hop > LED * moved) & (moved > known)):
-        return singular_between(problem, first, last, scale, apart, known)
+    if not back or np.any((hop > LED * moved) & (moved > known)):
+        return Answer.TWO if singular_between(problem, first, last, scale, apart, known) else Answer.UNKNOWN
+    allowed = np.maximum(known, SOLVED * sizes)
+    near = np.maximum(MET * moved, known)
+    before = (problem.on_mesh_of(row, there) for row in rows[-2::-1])
+    if all(np.all(apart(found, row) <= near) for found, row in zip(back, before, strict=True)):
+        return Answer.ONE
+    at = back[-1]
     gap = apart(at, first)
     own, one, other = (length(v, v) for v in (first, last, at))
     away = (gap > APART * moved) & (moved > known) & (hop < APART * gap)
     falls = (one < VANISHED * own) & (other < VANISHED * own) & (own > known)
     far = np.maximum(gap, apart(at, last))
     kept = apart(first, start) < APART * moved  # the row before is the solution that is asked
-    allowed = np.maximum(known, SOLVED * sizes)
     if not np.any((away | falls) & kept) or np.any(apart(last, there) > np.maximum(LEFT * far, allowed)):
-        return False
+        return Answer.UNKNOWN
     again, _ = followed(problem, at, [*places[-2::-1], float(there[-1])], scale, length)
-    return again is not None and bool(np.all(apart(again, last) <= np.maximum(RETURNED * far, allowed)))
+    returns = again and np.all(apart(again[-1], last) <= np.maximum(RETURNED * far, allowed))
+    return Answer.TWO if returns else Answer.UNKNOWN
 
 
 def _size(functions: Array) -> NDArray[np.float64]:

@@ -1,7 +1,7 @@
-"""Whether solutions inside a step lie on the cubic in the parameter through its two rows and their slopes.
+"""Whether solutions inside a step lie on the cubic in arclength through its two rows and their tangents.
 
-Rows of one smooth branch do so. Of two branches, what lies between them is of the one or of the other, and at one place
-at most as near to the cubic as to pass for a point of it; so two are asked.
+Rows of one smooth branch do so, beside its folds, too. Of two branches, what lies between them is of the one or of the
+other, and at one place at most as near to the cubic as to pass for a point of it; so two are asked.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ INSIDE: Final = (0.5, 0.75)  # places in a step
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """From a row `here` (N,) along its slope: `first` (N,) is the change that it foretells, `width` the parameter's."""
+    """From a row to the next one: unknowns on the first one's mesh, and what both tangents foretell for the whole."""
 
-    here: Array
-    first: Array
-    width: float
-    scale: Array  # (N,), for corrections
+    ends: tuple[Array, Array]  # (N,) each
+    rise: Array  # (N,) the change that the first row's tangent foretells
+    parameter: tuple[Array, Array]  # (1,) each: its changes that the two rows' tangents foretell
+    scale: Array  # (N,) for corrections
 
 
 def on_cubic(
@@ -35,19 +35,24 @@ def on_cubic(
 ) -> bool:  # fmt: skip
     """True where solutions inside a step lie on the cubic, to a part `SMOOTH` of what changes, or to noise.
 
-    values : at the two rows, as `seen` makes them of unknowns.  slopes : changes of these that each row's slope
+    values : at the two rows, as `seen` makes them of unknowns.  slopes : changes of these that each row's tangent
     foretells for the whole step.  length : of values and noise, each compared by itself.
     """
-    (start, end), (rise, fall) = values, slopes
-    moved, bend = end - start, np.zeros_like(step.here)
-    allowed = np.maximum(SMOOTH * length(moved), noise)
+    here, there = step.ends
+    allowed = np.maximum(SMOOTH * length(values[1] - values[0]), noise)
+    between = sorted((float(here[-1]), float(there[-1])))
     for s in INSIDE:
-        place = float(step.here[-1] + s * step.width)
-        found = problem.at_parameter(step.here + s * step.first + s * s * bend, place, step.scale)
-        if found is None:
+        place = float(_cubic(s, (here[-1:], there[-1:]), step.parameter)[0])
+        if not between[0] < place < between[1]:
             return False
-        bend = (found - step.here - s * step.first) / (s * s)
-        cubic = start + s * rise + s * s * (3.0 * moved - 2.0 * rise - fall + s * (rise + fall - 2.0 * moved))
-        if np.any(length(seen(found) - cubic) > allowed):
+        found = problem.at_parameter(here + s * step.rise + s * s * (there - here - step.rise), place, step.scale)
+        if found is None or np.any(length(seen(found) - _cubic(s, values, slopes)) > allowed):
             return False
     return True
+
+
+def _cubic(s: float, values: tuple[Array, Array], slopes: tuple[Array, Array]) -> Array:
+    """At s in [0, 1], from values and slopes at its ends."""
+    (start, end), (rise, fall) = values, slopes
+    moved = end - start
+    return np.asarray(start + s * rise + s * s * (3.0 * moved - 2.0 * rise - fall + s * (rise + fall - 2.0 * moved)))

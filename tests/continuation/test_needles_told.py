@@ -18,7 +18,7 @@ def needle(form: str, k: float, shift: float) -> str:
 def is_told(branch, k: float) -> bool:
     points = [p for p in branch.points if p.type in ("BP", "LP", "BPC")]
     labelled = any(abs(p.values["a"] - k) <= p.error + 1e-13 * k for p in points)
-    return labelled or branch.unexplained > 0 or any(end.reason == "corrector" for end in branch.ends)
+    return labelled or branch.unexplained > 0 or any(end.reason in ("corrector", "surface") for end in branch.ends)
 
 
 @pytest.mark.parametrize(("form", "k", "beyond"), [("tanh", 1e6, 1e-4), ("atan", 1e6, 0.3), ("corner", 1e4, 1e-4)])
@@ -49,12 +49,32 @@ def test_of_boundary_values(form, k, shift, beyond):
     assert is_told(contin.continuation(start, "a", (0.1, k * (1.0 + beyond))), k)
 
 
-@pytest.mark.parametrize(("method", "beyond"), [("collocation", 0.01), ("shooting", 0.3)])
-def test_of_orbits(method, beyond):
-    k = 1e4
+def followed(form: str, k: float, method: str, beyond: float):
+    """Orbits of a normal form beside the needle."""
     model = contin.Model(
         "needle", states={"x": 1, "y": 0, "w": 1}, parameters={"a": 0.8},
-        equations={"x": "x - y - x*(x^2 + y^2)", "y": "x + y - y*(x^2 + y^2)", "w": needle("tanh", k, 0.0)},
+        equations={"x": "x - y - x*(x^2 + y^2)", "y": "x + y - y*(x^2 + y^2)", "w": needle(form, k, 0.0)},
     )  # fmt: skip
     orbit = contin.periodic_orbit(model, method=method)
-    assert is_told(contin.continuation(orbit, "a", (0.1, k * (1.0 + beyond))), k)
+    return contin.continuation(orbit, "a", (0.1, k * (1.0 + beyond)))
+
+
+@pytest.mark.parametrize(
+    ("form", "method", "beyond"),
+    [
+        ("tanh", "collocation", 0.01), ("tanh", "shooting", 0.3),
+        ("corner", "collocation", 1e-4), ("corner", "shooting", 1e-4),
+    ],
+)
+def test_of_orbits(form, method, beyond):
+    k = 1e4
+    assert is_told(followed(form, k, method, beyond), k)
+
+
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
+def test_the_top_of_a_wide_needle_is_one_branch_point(method):
+    """The parameter turns there along the needle; the other family's rate of change by the parameter is zero."""
+    family = followed("tanh", 4.0, method, 0.01)
+    assert [point.type for point in family.points] == ["BPC"]
+    assert not family.notes
+    assert abs(family.points[0].values["a"] - 4.0) <= family.points[0].error < 1e-8

@@ -95,10 +95,7 @@ class FamilyOfOrbits(InOneParameterProblem):
         p[self.active] = z[-1]
         return p
 
-    @property
-    def has_shared_places(self) -> bool:  # type: ignore[override]
-        """Not where the flow has corners: families of orbits have some of their own there."""
-        return not self.system.n_switches
+    has_shared_places = True
 
     def apart_at_shared_places(self, one: Array, other: Array) -> Array:
         """one - other there, less what a shift in time makes of it."""

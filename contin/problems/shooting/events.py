@@ -15,9 +15,10 @@ from contin.machine import elementary
 from contin.problems.equilibria.special_points import nearest_pair
 from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
-from contin.problems.shooting.crossing import begins, side_of_branch
+from contin.problems.shooting.crossing import begins, crossing, side_of_branch
 from contin.problems.shooting.halving import halving
-from contin.problems.shooting.locate import locate, repeated
+from contin.problems.shooting.linear import family_tangents
+from contin.problems.shooting.locate import Located, locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
 from contin.systems.accuracy import accuracy_of_equations
@@ -59,6 +60,8 @@ def verify(problem: ShotEquations, type_: str, near: Sample, frame: Frame) -> Ou
         return unverified(type_, f"no orbit there (residual {found.residual:.1e})")
     coarse = problem.precise(max(COARSE, accuracy_of_equations(problem.system)))
     rough = find(coarse, type_, found.z, near.tangent, frame.scale)
+    if type_ == "LPC" and _crossed(problem.precise(FINE), found, near, frame):
+        type_ = "BPC"
     values = problem.precise(FINE).multipliers(found.z)
     others = nontrivial(problem, values)
     theta = 0.0
@@ -82,6 +85,14 @@ def verify(problem: ShotEquations, type_: str, near: Sample, frame: Frame) -> Ou
         vectors={"theta": theta, "kernel": kernel},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
+
+
+def _crossed(problem: ShotEquations, fold: Located, near: Sample, frame: Frame) -> bool:
+    """True where another family passes: the parameter turns on a pitchfork's side branch, too."""
+    own = family_tangents(problem, fold.z, frame.scale)
+    if len(own) < 2:
+        return False
+    return any(crossing(problem, fold.z, near.tangent, frame.scale, sense) is not None for sense in (1, -1))
 
 
 def _in_continuum(problem: ShotEquations, here: Sample, frame: Frame) -> bool:

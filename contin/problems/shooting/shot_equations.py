@@ -21,8 +21,10 @@ from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.linear import BorderedShooting
 from contin.problems.shooting.sampling import sampled
 from contin.problems.shooting.segments import Segments
+from contin.problems.shooting.shifted_in_time import apart_in_time
 from contin.problems.shooting.shot_family import ShotFamily
 
+SHIFTED = 1e-8  # of states' sizes: differences that a shift in time may make of itself, beside what it does linearly
 PAIRED = 1e-10  # two multipliers are m and 1/m to this: the flow keeps an area, and |m| = 1 is no rounding error
 
 
@@ -43,6 +45,15 @@ class ShotEquations(ShotFamily):
         """States, and the period beside them, at the nodes, (M, n + 1)."""
         part = Nodes.of(values, self.n)
         return np.column_stack([part.u, np.full(part.count, part.period)])
+
+    def apart_at_shared_places(self, one: Array, other: Array) -> Array:
+        """one - other at the nodes of the one, at the times at which the other is nearest."""
+        near = super().apart_at_shared_places(one, other)
+        sizes = self.sizes(one, self.initial_scale(one, (float(one[-1]), float(one[-1]) + 1.0)))
+        if not self.autonomous or np.all(np.abs(near[:, :-1]) <= SHIFTED * sizes):
+            return near
+        shifted = apart_in_time(self, one, other, sizes)
+        return near if np.isnan(shifted).any() else shifted
 
     def of_one_mesh(self, one: Array, other: Array) -> bool:
         return bool(np.all(self._plane(one) == self._plane(other)))

@@ -132,7 +132,8 @@ def _to_places(m: int, mesh: bytes, count: int) -> Transfer:
 
 def rows_at_places(m: int, n: int, z: Array, values: Array, count: int) -> Array:
     """(K, count, n) of the functions, and (K, count, 1) of the period beside them, of rows z and values like them."""
-    sizes = z.shape[1] - np.isnan(z).sum(axis=1)
+    sizes, padded = np.full(len(z), z.shape[1]), np.isnan(z[:, 0])
+    sizes[padded] -= np.isnan(z[padded]).sum(axis=1)
     intervals = (sizes - n - 2) // (m * n + 1)
     out, same = np.empty((len(z), count, n + 1)), np.append(sizes[1:] == sizes[:-1], False)
     for number in np.unique(intervals).tolist():
@@ -142,10 +143,10 @@ def rows_at_places(m: int, n: int, z: Array, values: Array, count: int) -> Array
     for row in (np.flatnonzero(~same) + 1).tolist():
         number, part = int(intervals[first]), values[first:row, -int(sizes[first]) :]
         transfer = _to_places(m, np.ascontiguousarray(z[first, -1 - number : -1]).tobytes(), count)
-        nodes = (number * m + 1) * n
-        u = part[:, :nodes].reshape(row - first, -1, n)
-        out[first:row, :, :n] = (transfer.weights[:, None] @ u[:, transfer.nodes])[:, :, 0]
-        out[first:row, :, n] = part[:, nodes, None]
+        places = (n * transfer.nodes[:, :, None] + np.arange(n)).transpose(1, 0, 2).reshape(m + 1, -1)
+        terms = zip(np.repeat(transfer.weights.T, n, axis=1), places, strict=True)
+        out[first:row, :, :n] = sum(weight * part[:, at] for weight, at in terms).reshape(row - first, count, n)
+        out[first:row, :, n] = part[:, (number * m + 1) * n, None]
         first = row
     return out
 

@@ -22,7 +22,7 @@ from contin.problems.orbits.ends.vertical import (
     stays_critical,
 )
 from contin.problems.orbits.linearised.bordered import Bordered
-from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.linearised.linear import SINGULAR, OrbitLinear
 from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.linearised.resolved_multipliers import is_planar
 from contin.problems.orbits.normal_forms.normal_form import normal_form
@@ -170,7 +170,8 @@ def _orientable(problem: OrbitEquations, z: Array) -> bool:
 def _turns(problem: OrbitEquations, fold: Any, frame: Frame) -> bool:
     """True where w . F_p is far from zero, which it is at branch points (on a mesh that is not symmetric: nearly).
 
-    w, the left null vector, is told by [F_u F_T F_p; right null vector], which is singular where w . F_p = 0.
+    w, the left null vector, is told by [F_u F_T F_p; right null vector], singular where w . F_p = 0. F_p itself
+    is zero there if the parameter multiplies what one of the branches has none of.
     """
     linear = OrbitLinear(problem, fold.z, frame.scale, fold.z)
     try:
@@ -181,7 +182,10 @@ def _turns(problem: OrbitEquations, fold: Any, frame: Frame) -> bool:
         return False
     column = linear.jacobian[:, [-1]].toarray()[:, 0]
     left = regular.factors.solve(np.append(np.zeros(linear.nu + 1), 1.0), "T")[:-1]
-    return bool(abs(float(left @ column)) > LEVEL * float(np.linalg.norm(left)) * float(np.linalg.norm(column)))
+    size = float(np.linalg.norm(left))
+    if size * float(abs(linear.jacobian).max()) * SINGULAR > 1.0:
+        return False
+    return bool(abs(float(left @ column)) > LEVEL * size * float(np.linalg.norm(column)))
 
 
 def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:

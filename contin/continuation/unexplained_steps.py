@@ -1,0 +1,62 @@
+"""Which steps of a branch the slopes at their rows do not explain, or leave next to nothing of a state.
+
+Of resolved steps a thousandth of a change is not explained, of those to another branch a fifth and more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+
+UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
+STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
+VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
+ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the rounding of one that is zero
+NEXT: Final = 3  # rows: one or two that the corrector leaves between two branches are none of either
+
+
+def suspicious(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array] = np.abs) -> Array:
+    """(K - 1, k), of rows y with tangents t: which part of a step is not what slopes lead to, 0 where it may pass.
+
+    noise : what is not known of rows, or (K - 1, 1) of steps.
+    alone : lengths (K, k) of what is asked by itself, of values (K, N): each unknown, or each function.
+    """
+    far = np.minimum(np.arange(len(y) - 1) + NEXT, len(y) - 1)
+    return np.maximum(_unexplained(y, t, noise, alone), _vanishing(y[:-1], y[far], t[:-1], t[far], noise, alone))
+
+
+def _unexplained(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array]) -> Array:
+    """Where the parameter goes one way, and an unknown not as its slopes say."""
+    t = t / np.linalg.norm(t, axis=1)[:, None]
+    step, slopes = y[1:] - y[:-1], alone(t)
+    h, moved, steep = np.linalg.norm(step, axis=1)[:, None], alone(step), np.maximum(slopes[1:], slopes[:-1])
+    apart = _part(alone(step - 0.5 * h * (t[1:] + t[:-1])), np.maximum(steep * h, moved), UNEXPLAINED)
+    bend = (t[1:] - t[:-1]) / np.where(h > 0.0, h, 1.0)
+    if len(bend) > 1:
+        turned = _part(alone(bend[1:] - bend[:-1]) * h[1:], steep[1:], STRAY)
+        apart[1:] = np.maximum(apart[1:], UNEXPLAINED / STRAY * turned)
+    return np.asarray(apart * ((moved > noise) & (t[1:, -1:] * t[:-1, -1:] > 0.0)))
+
+
+def _part(left: Array, whole: Array, least: float) -> Array:
+    """left / whole, 0 where that is less than `least`."""
+    sure = left > least * whole
+    return np.asarray(np.where(sure, left / np.where(sure & (whole > 0.0), whole, 1.0), 0.0))
+
+
+def _vanishing(
+    near: Array, far: Array, t_near: Array, t_far: Array, noise: float | Array, alone: Callable[[Array], Array]
+) -> Array:  # fmt: skip
+    """Of points and others a few rows on: where the slopes do not lead to how little is left, of unknowns or of slopes
+    that would have changed them by more than noise."""
+    moved, before, steep, level = far - near, alone(near), alone(t_near), alone(t_far)
+    length = np.linalg.norm(moved, axis=1)[:, None]
+    left = np.maximum(alone(moved - length * t_far), alone(moved - 0.5 * length * (t_near + t_far)))
+    little = _part(left, before, UNEXPLAINED) * ((alone(far) < VANISHED * before) & (before > ROUNDED))
+    flat = _part(left, length * steep, UNEXPLAINED) * (level < VANISHED * steep)
+    flat *= (length * steep > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)
+    return np.maximum(little, flat)
