@@ -14,7 +14,8 @@ from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.orbits.ends import ends
-from contin.problems.shooting.equilibrium_on_surface import at_rest
+from contin.problems.orbits.hopf_end import with_last_row
+from contin.problems.shooting.equilibrium_on_surface import at_rest, has_shrunk
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import onto_section, quietest, rebased, room
 from contin.problems.shooting.unbounded_at_surface import comes_to_surface
@@ -27,6 +28,7 @@ LOST_SECTION = 0.7  # cosine between flow and normal below which the section is 
 FAINT = 1e-6  # part of a unit tangent in parameter and period, below which its sign is rounding
 BESIDE = 1e-4  # (scaled) distance of the neighbour that tells its sense then
 TANGENT = 0.05  # ... below which the section is tangent to the flow
+HALVINGS = 12  # of a step that leads beyond that
 
 
 def renew(problem: ShotEquations, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame) -> Renewal:
@@ -81,16 +83,35 @@ def is_tangent(problem: ShotEquations, z: Array, scale: Array) -> bool:
     )
 
 
-def cut_where_oblique(problem: ShotEquations, chunk: Chunk, scale: Array) -> Chunk:
+def cut_where_oblique(problem: ShotEquations, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the first row whose section is too oblique: where it is tangent to the flow the curve turns round
-    in these unknowns, and the family does not."""
+    in these unknowns, and the family does not. A last step that leads beyond that place is shortened."""
     if not problem.autonomous:
         return chunk
-    for row in range(1, len(chunk) - 1):
-        z = chunk.z[row]
-        if obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale)) < LOST_SECTION:
+    for row in range(1, len(chunk)):
+        found = _obliqueness_at(problem, chunk.z[row], frame)
+        if found < LOST_SECTION and row < len(chunk) - 1:
             return chunk.cut(row + 1, Stop.LIMIT, float(chunk.lengths[row]))
+        if found < 0.0:
+            return _before_tangent(problem, chunk, frame, settings)
     return chunk
+
+
+def _before_tangent(problem: ShotEquations, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+    """The chunk with a last row whose section is oblique, but not yet tangent to the flow."""
+    base, low, high = chunk.sample(len(chunk) - 2), 0.0, float(chunk.lengths[-1])
+    for _ in range(HALVINGS):
+        length = 0.5 * (low + high)
+        found = problem.probe(base, length, base.z + length * frame.scale * base.tangent, frame, settings)
+        slant = -1.0 if found is None else _obliqueness_at(problem, found.z, frame)
+        if found is not None and TANGENT < slant < LOST_SECTION:
+            return with_last_row(chunk.cut(len(chunk), Stop.LIMIT, length), found)
+        low, high = (length, high) if slant >= LOST_SECTION else (low, length)
+    return chunk
+
+
+def _obliqueness_at(problem: ShotEquations, z: Array, frame: Frame) -> float:
+    return obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, frame.scale))
 
 
 def _moved(
@@ -123,6 +144,16 @@ def _of_neighbours(
     return np.asarray(offset / size) if np.isfinite(size) and size > 0.0 else np.zeros(len(raw))
 
 
+def _upright(problem: ShotEquations, origin: Sample, frame: Frame) -> Sample:
+    """A small orbit from where its section is not oblique: others beside it are met there."""
+    nodes, sizes = Nodes.of(origin.z, problem.n), problem.sizes(origin.z, frame.scale)
+    if not has_shrunk(problem, origin.z, frame.scale) or not misplaced(problem, origin.z, nodes, sizes):
+        return origin
+    fraction = quietest(problem, origin.z)
+    moved = rebased(problem, origin.z, fraction, sizes)
+    return _moved(problem, origin, moved, frame.scale, frame.scale, fraction, Nodes.of(moved, problem.n))
+
+
 def _parameter_and_period(problem: ShotEquations, raw: Array, scale: Array) -> Array:
     """The part of a raw direction that no change of phase touches, as a unit vector in the new metric."""
     guide = np.zeros(len(raw))
@@ -143,7 +174,7 @@ def _ending(problem: ShotEquations, origin: Sample, before: Sample | None, frame
     extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
     if extent < ends.SMALL and extent < float(np.max(np.ptp(earlier.u, axis=0) / sizes)):
         return _at_hopf_point(problem, origin, before, frame)
-    resting = at_rest(problem, origin, before, frame)  # amplitude zero may lie between the two
+    resting = at_rest(problem, _upright(problem, origin, frame), before, frame)  # amplitude zero may lie between
     connected = None if resting is not None else ends.connected(problem, origin, before, frame)
     if connected is None:
         reached = None if resting is not None else comes_to_surface(problem, origin, frame)
@@ -154,7 +185,7 @@ def _ending(problem: ShotEquations, origin: Sample, before: Sample | None, frame
 def _at_hopf_point(problem: ShotEquations, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
     found = ends.shrunk(problem, origin, before, frame)
     if found is None:
-        return at_rest(problem, origin, before, frame)
+        return at_rest(problem, _upright(problem, origin, frame), before, frame)
     last = found.last
     assert last is not None
     shape = problem.profile(origin.z)

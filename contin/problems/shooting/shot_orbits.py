@@ -74,7 +74,7 @@ class ShootingProblem(ShotEquations):
     ) -> Chunk:  # fmt: skip
         chunk = generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
         chunk = cut_before_rest(self, chunk, frame, settings)
-        return cut_where_oblique(self, chunk, frame.scale)
+        return cut_where_oblique(self, chunk, frame, settings)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tight = replace(settings, tolerance=min(settings.tolerance, PROBE_TOLERANCE))

@@ -75,3 +75,21 @@ def test_cycles_of_a_centre_that_steps_pass_over_end_there(start):
     assert [end.reason for end in branch.ends] == ["hopf", "bound"]
     assert abs(branch.ends[0].data["at"]["mu"]) < 1e-13
     assert np.all(np.diff(branch.columns["x.max"]) > 0.0)
+
+
+def test_a_clock_whose_section_becomes_tangent_in_a_last_step_is_followed_to_rest():
+    """x'' + x'/10 + x = f sign(x') where |x| < 1/5: to the amplitude 1/5 a scale of x and f changes nothing, and the
+    period is that of damped turns."""
+    model = contin.Model(
+        "clock", states={"x": 1.0, "v": 0.0}, parameters={"f": 0.1},
+        equations={"x": "v", "v": "-x - 0.1*v + (f*sign(v) if abs(x) < 0.2 else 0)"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "f", (0.0, 0.5))
+    assert [end.reason for end in branch.ends] == ["hopf", "bound"]
+    assert abs(branch.ends[0].data["at"]["f"]) < 1e-14
+    f, top = branch.columns["f"], branch.columns["x.max"]
+    assert np.all(np.diff(f) > 0.0)
+    assert np.all(np.diff(top) > 0.0)
+    small = (top > 1e-6) & (top < 0.199)
+    np.testing.assert_allclose(branch.columns["period"][small], 2.0 * np.pi / np.sqrt(1.0 - 0.0025), rtol=1e-10)
+    np.testing.assert_allclose(top[small] / f[small], (top / f)[small][0], rtol=1e-8)
