@@ -29,7 +29,7 @@ html_title = f"contin {__version__}"
 nitpicky = False
 
 nb_execution_mode = "force"
-nb_execution_timeout = 600  # the first cell on a machine compiles
+nb_execution_timeout = 1200  # the first cell on a machine compiles; one cell of the open questions carries out 13 runs
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True  # what the cells write does not stay in the sources
 nb_merge_streams = True

@@ -178,7 +178,8 @@ def _nearest(system: System, u: Array, p: Array, angle_periods: Array) -> Array 
                 start = u + radius * size * generator.uniform(-1.0, 1.0, len(u))
                 found.append(_regular(system, start, p, angle_periods).u)
         if found:
-            return min(found, key=lambda v: float(np.max(np.abs(v - u) / size)))
+            distances = [float(np.max(np.abs(v - u) / size)) for v in found]
+            return found[distances.index(min(distances))]
     return None
 
 

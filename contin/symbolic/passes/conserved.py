@@ -153,7 +153,8 @@ def _eliminated(model: Model, laws: Sequence[Law]) -> dict[int, str]:
     for _ in laws:
         weights[list(found)] = 0.0
         # the last of equals: networks list what is made last, and its equation is the longest
-        i, j = max(np.ndindex(weights.shape), key=lambda at: (abs(weights[at]) * (1.0 + 1e-9 * at[1]), -at[0]))
+        ranks = {at: (float(abs(weights[at])) * (1.0 + 1e-9 * at[1]), -at[0]) for at in np.ndindex(weights.shape)}
+        i, j = max(ranks, key=lambda at: ranks[at])
         found[i] = model.state_names[j]
         for k in range(len(laws)):
             if k not in found:
