@@ -50,7 +50,9 @@ def test_the_first_mode_is_a_pitchfork_where_its_quadratic_coefficient_vanishes(
     assert found["DP1"].normal_form["kind"] == "pitchfork"
 
 
-@pytest.mark.parametrize(("power", "kind"), [(1, "transcritical"), (2, "pitchfork")])
+@pytest.mark.parametrize(
+    ("power", "kind"), [pytest.param(1, "transcritical", marks=pytest.mark.long), (2, "pitchfork")]
+)
 def test_folds_touch_the_branch_points_where_these_are_degenerate(power, kind):
     """u (p + q u^k - u^2k): branch points at p = 0, folds at p = -q^2/4; of pitchforks these end there."""
     model = constant(f"u(start)*(p + q*u(end)^{power} - u(start)^{2 * power}) = 0", {"p": -0.1, "q": 0.5})

@@ -125,6 +125,7 @@ def test_uniform_oscillations_of_the_complex_ginzburg_landau_equation(points, me
     np.testing.assert_allclose(largest, np.sort(np.abs(exact))[::-1][:3], atol=2e-4)
 
 
+@pytest.mark.long  # every day: folds with their curve, and uniform oscillations of a field, above
 def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_curve():
     """A_t = (mu + i) A + (1 + i/2) A_xx + (c + 0.3 i) |A|^2 A - |A|^4 A: folds where mu = -c^2/4."""
     square = "(u^2 + v^2)"

@@ -99,6 +99,7 @@ def test_c_of_a_period_doubling_and_d_of_a_torus_bifurcation():
     assert found["NS1"].normal_form["theta"] == pytest.approx(0.8 * np.pi, abs=1e-4)
 
 
+@pytest.mark.long  # every day: c in closed form, above
 def test_the_doubling_of_roesslers_cycle_in_turned_coordinates_is_that_of_the_small_collocation():
     turned = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0]
 

@@ -63,6 +63,7 @@ def test_a_regular_mass_matrix_changes_no_label_and_no_coefficient(m):
     assert "HB" in assert_alike(*lines)
 
 
+@pytest.mark.long  # every day: curves of folds with a singular one, to their BT point
 def test_a_regular_mass_matrix_changes_no_curve_of_folds():
     plain, curves = combustion(70), []
     for f in (weighed(plain, regular(70)), plain):
