@@ -1,4 +1,4 @@
-"""The end of a family of orbits at a boundary equilibrium: one side's equilibrium arrives where the equations jump.
+"""The end of a family of orbits at an equilibrium that arrives at a surface where the equations jump or have a corner.
 
 An orbit that passes beside it stays ever longer there, as beside a saddle, and the family ends where the equilibrium is
 on the surface, from where nothing leaves on its own side (as a biased relay, whose oscillation stops).
@@ -28,8 +28,10 @@ AHEAD: Final = 1e-4  # ... and of the parameter, relative to its range
 DIGITS: Final = 12  # of states in words, relative to their sizes
 
 
-def comes_to_boundary_equilibrium(problem: ShotEquations, origin: Sample, frame: Frame) -> End | None:
-    """The end in words where the corrector has failed beside such a point."""
+def comes_to_boundary_equilibrium(
+    problem: ShotEquations, origin: Sample, frame: Frame, corners: bool = False
+) -> End | None:
+    """The end in words, beside such a point; corners: also where the equations do not jump."""
     jumps = jumps_of(problem.system) if problem.autonomous and not problem.winding.any() else ()
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     if not jumps or not np.all(np.isfinite(profile.u)) or dwelling(problem, profile, sizes) < RESTS:
@@ -40,19 +42,21 @@ def comes_to_boundary_equilibrium(problem: ShotEquations, origin: Sample, frame:
         z = np.append(u, origin.z[-1])
         beside = Sample(z, np.zeros(len(z)), origin.tests, 0, origin.eigenvalues)
         for jump, upper in ((jump, upper) for jump in jumps for upper in (False, True)):
-            found = solved_on_surface(rest, jump, upper, beside, Frame(scale))
+            found = solved_on_surface(rest, jump, upper, beside, Frame(scale), corners)
             if found is None:
                 continue
             off = np.abs(found.z - z) / scale
             if off[:-1].max() > NEAR or off[-1] > AHEAD:
                 continue
+            jumps_there = jump.is_jump(found.z[:-1], rest.full_parameters(found.z))
             at = np.round(found.z[:-1] / sizes, DIGITS) * sizes + 0.0
             text = (
                 f"the period grows without bound (here {profile.period:.6g}) towards {name} = {found.z[-1]:.10g}: the "
-                f"orbits come to the boundary equilibrium ({_in_words(problem, at)}) on the surface "
-                f"{jump.surface.text}, where the equations jump"
+                f"orbits come to the {'boundary ' * jumps_there}equilibrium ({_in_words(problem, at)}) on the surface "
+                f"{jump.surface.text}, where the equations {'jump' if jumps_there else 'have a corner'}"
             )
-            return End("surface", text, {"at": {name: float(found.z[-1])}, "surface": jump.surface.text})
+            data = {"at": {name: float(found.z[-1])}, "error": found.error, "surface": jump.surface.text}
+            return End("surface", text, data)
     return None
 
 

@@ -34,9 +34,9 @@ def comes_to_surface(problem: ShotEquations, origin: Sample, frame: Frame) -> En
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     if not np.all(np.isfinite(profile.u)) or dwelling(problem, profile, sizes) < RESTS:
         return None
-    jumping = comes_to_boundary_equilibrium(problem, origin, frame)
-    if jumping is not None:
-        return jumping
+    solved = comes_to_boundary_equilibrium(problem, origin, frame, corners=True)
+    if solved is not None:
+        return solved
     p = problem.full_parameters(origin.z)
     for u in slowest_points(problem, profile, sizes):
         surface = _surface_next_to(problem, u, p, sizes)

@@ -197,9 +197,11 @@ def _reach(problem: AlgebraicEquations, jump: Jump, z: Array, scale: Array) -> f
 
 
 def solved_on_surface(
-    problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample, frame: Frame
+    problem: AlgebraicEquations, jump: Jump, upper: bool, origin: Sample, frame: Frame, corners: bool = False
 ) -> Meeting | None:
     """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter.
+
+    corners : also where the equations do not jump.
 
     Of other surfaces, which may be met as soon, the side of `origin` counts, on whichever Newton's steps are.
     """
@@ -226,7 +228,9 @@ def solved_on_surface(
 
     found = by_steps(step, origin.z, scale, NEWTON)
     at = None if found is None else equations(found.at)
-    if found is None or at is None or not jump.is_jump(found.at[:n], problem.full_parameters(found.at)):
+    if found is None or at is None:
+        return None
+    if not corners and not jump.is_jump(found.at[:n], problem.full_parameters(found.at)):
         return None
     z, right = found.at, at[0]
     error = 4.0 * max(found.made, np.finfo(float).eps) * float(scale[-1])

@@ -118,3 +118,14 @@ def test_a_biased_relay_stops_where_the_equilibrium_of_one_side_arrives_at_its_s
     assert end.data["surface"] == "x = 0"
     assert end.data["at"]["b"] == pytest.approx(1.0, abs=1e-12)
     assert np.all(np.diff(branch.columns["period"]) > 0.0)
+
+
+def test_cycles_that_come_to_an_equilibrium_on_a_corner_name_its_parameter_to_rounding():
+    """v' = f(v) - w + I, w' = (v - w/2)/5, f of three pieces: the equilibrium is at v = 1/2 for I = 3/2, at 1 for 2."""
+    model = contin.Model(
+        "pieces", states={"v": 0.2, "w": 1.3}, parameters={"I": 1.75},
+        equations={"v": "(-v if v < 0.5 else (v - 1 if v < 1 else 1 - v)) - w + I", "w": "(v - w/2)/5"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "I", (1.0, 2.5))
+    assert [end.reason for end in branch.ends] == ["surface", "surface"]
+    assert [end.data["at"]["I"] for end in branch.ends] == pytest.approx([1.5, 2.0], abs=1e-13)
