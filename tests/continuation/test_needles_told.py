@@ -35,7 +35,8 @@ def test_of_states_in_sizes_of_one(kind, form, k, beyond):
 
 
 @pytest.mark.parametrize(
-    ("form", "k", "shift", "beyond"), [("tanh", 1e4, 1.0, 1e-4), ("atan", 1e6, 0.0, 1e-4), ("corner", 1e4, 0.0, 0.01)]
+    ("form", "k", "shift", "beyond"),
+    [("tanh", 1e4, 1.0, 1e-4), ("atan", 1e6, 0.0, 1e-4), ("corner", 1e4, 0.0, 0.01), ("atan", 1e4, 1.0, 0.3)],
 )
 def test_of_boundary_values(form, k, shift, beyond):
     """Rows changed to and fro between both arms of the needle, or 1e-7 of a function was taken for a mesh's."""

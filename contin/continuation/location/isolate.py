@@ -400,7 +400,8 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
             text = where(stretch, a, item.text) if item.at is None else exactly(stretch, item.at, item.text)
             yield Note(text, jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
-            yield Note(where(stretch, a, item.reason), item.suspect)
+            timeless = not stretch.problem.has_stability and not in_two_parameters(stretch.problem)
+            yield Note(where(stretch, a, item.reason), item.suspect, hides=item.suspect and timeless)
 
 
 def _is_elsewhere(stretch: Stretch, a: Sample, b: Sample, found: Verified, length: float) -> bool:
