@@ -52,7 +52,7 @@ def followed(
     images = np.array([linear.apply(v) for v in basis])
     longer, together = 1.0 / (1.0 - rate), symmetric
     for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1 + together):
-        values, ritz = _rightmost(basis, images, wanted)
+        values, ritz = _rightmost(basis, images, wanted, symmetric)
         found = _combined(ritz, basis)
         parts, of = _residuals(values, ritz, found, images)
         asked = np.sum(parts, axis=0)[None, :] if together else np.array(parts)
@@ -62,7 +62,7 @@ def followed(
         if longer * wrong <= SIGN and longer * max(norm(s) for s in steps) < ACCURACY:
             if symmetric:  # what the corrections say is still to be had: it makes all values better
                 basis, images = _wider(linear, basis, images, steps)
-                values, ritz = _rightmost(basis, images, wanted)
+                values, ritz = _rightmost(basis, images, wanted, symmetric)
             return _nearest_first(values, ritz, basis)
         basis, images = _wider(linear, basis, images, steps)
         together = False
@@ -102,9 +102,9 @@ def _real_rows(vectors: NDArray[np.complex128]) -> Array:
     return np.ascontiguousarray(vectors.real.T if real else np.vstack([vectors.real.T, vectors.imag.T]))
 
 
-def _rightmost(basis: Array, images: Array, wanted: int) -> tuple[Vector, Vector]:
-    """Ritz values (wanted,) and their weights (wanted, len(basis))."""
-    values, ritz = np.linalg.eig(inner(basis, images))
+def _rightmost(basis: Array, images: Array, wanted: int, symmetric: bool) -> tuple[Vector, Vector]:
+    """Ritz values (wanted,) and their weights (wanted, len(basis)); where A is symmetric, double ones are no pair."""
+    values, ritz = (np.linalg.eigh if symmetric else np.linalg.eig)(inner(basis, images))
     order = np.argsort(-values.real, kind="stable")[:wanted]
     return values[order], ritz[:, order].T
 

@@ -187,10 +187,11 @@ class LargeEquations(InOneParameterProblem):
     def _followed(
         self, linear: Linear, inverse: Callable[[Array], Array], rate: float, z: Array
     ) -> Spectrum | None:  # fmt: skip
-        """See `followed`; next to where eigenvectors are known, these alone span where those of z are."""
+        """See `followed`; of a symmetric operator, eigenvectors next to z alone span where those of z are."""
         work, symmetric = self.work, self._is_symmetric(linear)
         assert work.vectors is not None
-        near = work.seen is not None and is_near(z[:-1], z[-1:], work.seen[:-1], work.seen[-1:])
+        near = symmetric and work.seen is not None
+        near = near and is_near(z[:-1], z[-1:], work.seen[:-1], work.seen[-1:])  # type: ignore[index]
         found = followed(linear, inverse, rate, work.vectors, None, symmetric) if near else None
         if found is None:
             near = False

@@ -139,3 +139,25 @@ def test_a_preconditioner_that_is_exact_where_it_was_made_is_known_by_later_poin
     fold = branch["LP1"]
     assert abs(fold.values["lam"] - 3.513830719 + 1.25 * 0.98 / (n + 1) ** 2) < 1e-6
     assert branch.effort["applications"] <= 420  # measured 351; 1,676 where eigenvalues are looked for anew each time
+
+
+def test_a_double_branch_point_of_a_symmetric_system_is_none_of_hopf(monkeypatch):
+    """Mittelmann's problem on a square: constant u = lam exp(u) branches where 10 (u - 1) is an eigenvalue of -lap.
+
+    Of two equal eigenvalues, Ritz values of a matrix that is not taken as symmetric are a complex pair to rounding.
+    """
+    n = 50
+    monkeypatch.setattr(source, "ALWAYS_FACTORED", 100)
+    line = sp.diags([np.ones(n - 1), -2 * np.ones(n), np.ones(n - 1)], [-1, 0, 1]).tolil()
+    line[0, 0] = line[-1, -1] = -1.0
+    laplace = ((sp.kron(sp.eye(n), line) + sp.kron(line, sp.eye(n))) * n**2).tocsc()
+    square = contin.FunctionProblem(
+        lambda u, p: laplace @ u - 10.0 * (u - p["lam"] * np.exp(u)), np.full(n * n, 1.9), {"lam": 1.9 * np.exp(-1.9)},
+        lambda u, p: (laplace + sp.diags(10.0 * p["lam"] * np.exp(u) - 10.0)).tocsc(),
+    )  # fmt: skip
+    branch = contin.continuation(square, "lam", (0.26, 0.285), settings={"stop_at": "BP"}, direction="down")
+    u = 1.0 + 0.1 * 2.0 * (1.0 - np.cos(np.pi / n)) * n**2
+    point = branch["BP1"]
+    assert abs(point.values["lam"] - u * np.exp(-u)) <= point.error + 1e-12
+    assert point.normal_form["kernel"] == 2
+    assert branch.effort["factorisations"] <= 12
