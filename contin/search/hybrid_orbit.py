@@ -31,7 +31,7 @@ REPEATED: Final = 1e-6  # ... of a solved cycle and itself some events later, if
 CLOSE: Final = 1e-4  # a return this close, relative to the orbit's extent, is an orbit up to Newton's polish
 MOVED: Final = 0.05  # by which Newton's method may move it
 PATIENCE: Final = 16.0  # longest intervals in which an event of a trajectory comes, or not at all
-LONGEST_PERIOD: Final = 512.0  # of a family, in periods of the orbit that it begins with
+LONGEST_PERIOD: Final = 512.0  # of a family, in periods of the orbit that it begins with; a forced one's stays
 BOX: Final = 1e100  # where a simulation escapes
 RTOL: Final = 1e-10
 BUDGET: Final = 1_000_000
@@ -199,7 +199,7 @@ def _closed(
     flow: HybridFlow, p: Array, cycle: list[_Landing], winding: Array, sizes: Array, after: float
 ) -> HybridOrbit:
     """Newton's method from a cycle that nearly closes."""
-    patience = LONGEST_PERIOD * (cycle[-1].time - cycle[0].time)
+    patience = (PATIENCE if flow.forced else LONGEST_PERIOD) * (cycle[-1].time - cycle[0].time)
     arcs = tuple(
         Arc(here.events[0], here.events[1:], here.time - before.time, patience)
         for before, here in itertools.pairwise(cycle)
