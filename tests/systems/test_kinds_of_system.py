@@ -140,7 +140,7 @@ VERBS = {
 
 ELSEWHERE = {  # what takes no system, or makes one
     "__version__", "ContinError", "InputError", "FunctionProblem", "Model", "load", "read",
-    "from_autograd", "from_casadi", "from_jax", "from_petsc",
+    "from_autograd", "from_casadi", "from_jax", "from_petsc", "multigrid",
 }  # fmt: skip
 
 
