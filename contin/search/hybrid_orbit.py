@@ -53,7 +53,7 @@ class HybridOrbit(Told):
     def problem(self, parameter: str) -> HybridOrbits:
         """The continuation problem with this parameter free."""
         active = list(self.map.parameter_names).index(parameter)
-        return HybridOrbits(EquilibriumProblem(self.map, self.p, active))
+        return HybridOrbits(EquilibriumProblem(self.map, self.p, active, _angles(self.map.flow, self.p)[self.map.kept]))
 
     def seed(self, parameter: str) -> Seed:
         """Where a continuation with this parameter free starts."""

@@ -41,3 +41,21 @@ def test_a_quadratic_neuron_stops_at_its_fold():
     assert abs(end.data["at"]["I"]) <= max(end.data["error"], 1e-15)
     assert end.data["saddle_node"]
     np.testing.assert_allclose(branch.columns["period"], 2.0 * np.arctan(10.0 / root) / root, rtol=1e-11)
+
+
+def test_spikes_locked_to_a_clock_form_a_closed_family():
+    """I = 1/(1 - e^-T) - c(s) for a spike at s, c = 0.3 (cos 6 s + 6 sin 6 s)/37: once round the clock."""
+    model = contin.load(
+        {
+            "name": "clocked", "states": {"v": 0}, "parameters": {"I": 1.55}, "forcing": {"period": "2*pi/6"},
+            "equations": {"v": "I - v + 0.3*cos(6*t)"},
+            "events": [{"when": "v - 1", "direction": "up", "set": {"v": "0"}}],
+        }
+    )  # fmt: skip
+    family = contin.continuation(contin.periodic_orbit(model), "I", (1.0, 2.0))
+    assert {end.reason for end in family.ends} == {"closed"}
+    middle, reach = 1.0 / (1.0 - np.exp(-np.pi / 3.0)), 0.3 / np.sqrt(37.0)
+    assert [point.type for point in family.points] == ["LPC", "LPC"]
+    for point, sign in zip(sorted(family.points, key=lambda p: p.values["I"]), (-1.0, 1.0), strict=True):
+        assert abs(point.values["I"] - middle - sign * reach) <= max(point.error, 1e-13)
+    assert not family.notes
