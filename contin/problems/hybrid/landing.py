@@ -83,11 +83,12 @@ def first_landing(
             t = closer
             flight = _fly(flow, state, p, sizes, (t - start).astype(np.float64))
         times, states, complete = start + flight.t, flight.u, len(flight.t) == len(t)
-        if not complete:  # beyond the surface it may escape to infinity
+        found = _first(Path(flow, k, p, sizes, times, states, flow.heights(k, states, p)))
+        if found is None and not complete:  # beyond the surface it may escape to infinity
             seen, last_seen = (float(flight.t[-1]), flight.u[-1]) if len(times) else (0.0, state)
             nearer = _towards_end(flow, k, last_seen, p, sizes, flight.end_time - seen)
             times, states = np.append(times, start + seen + nearer[0]), np.vstack([states, nearer[1]])
-        found = _first(Path(flow, k, p, sizes, times, states, flow.heights(k, states, p)))
+            found = _first(Path(flow, k, p, sizes, times, states, flow.heights(k, states, p)))
         if found is not None or exactly or not complete or last >= patience:
             return found
         start, state, last, leave = last, states[-1], 2.0 * last, 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import numpy as np
 
 import contin
@@ -59,3 +61,19 @@ def test_spikes_locked_to_a_clock_form_a_closed_family():
     for point, sign in zip(sorted(family.points, key=lambda p: p.values["I"]), (-1.0, 1.0), strict=True):
         assert abs(point.values["I"] - middle - sign * reach) <= max(point.error, 1e-13)
     assert not family.notes
+
+
+def test_a_spike_that_samples_have_seen_is_not_looked_for_on_the_way_to_infinity(monkeypatch):
+    """v' = 1 + v^2 from -1 meets v = 10 after atan(10) + pi/4, and is infinite 0.1 later: 24 flights more each."""
+    landing = import_module("contin.problems.hybrid.landing")
+    model = contin.Model(
+        "quadratic", states={"v": -1, "u": 1}, parameters={"I": 1.0},
+        equations={"v": "I + v^2", "u": "-0.1*u"}, events=[{"when": "v - 10", "set": {"v": "-1", "u": "u + 1"}}],
+    )  # fmt: skip
+    orbit, flights, fly = contin.periodic_orbit(model), [], landing._fly
+    monkeypatch.setattr(landing, "_fly", lambda *given: flights.append(1) or fly(*given))
+    towards = []
+    monkeypatch.setattr(landing, "_towards_end", lambda *given: towards.append(1))
+    assert abs(orbit.map.passage(orbit.u * 1.01, orbit.p).period - np.arctan(10.0) - np.pi / 4.0) < 1e-9
+    assert not towards
+    assert len(flights) < 20
