@@ -37,13 +37,14 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
     if isinstance(problem, OrbitLocusProblem):
         _check_free(free, list(problem.system.parameter_names), problem.parameters)
         return of_orbits.under_conditions(seed, conditions, free)
-    if isinstance(problem, LocusProblem) and isinstance(model, Model):
+    if (isinstance(problem, LocusProblem) or of_points.of_codimension_two_alone(problem)) and isinstance(model, Model):
         _check_free(free, list(problem.system.parameter_names), problem.parameters)
         return of_points.under_conditions(seed, relations(model, conditions, False), free)
     if not isinstance(problem, OrbitProblem | EquilibriumProblem) or not isinstance(model, Model):
         raise InputError(
             "conditions are for equilibria, fixed points, orbits by collocation, and curves of LP, HB, BP, PD, NS of "
-            "equilibria and fixed points, of models of formulas"
+            "equilibria and fixed points and of CP, BT, GH, ZH, HH, BP of equilibria in three parameters, of models of "
+            "formulas"
         )
     if isinstance(problem, AlgebraicProblem):
         raise InputError("kind: algebraic: write conditions as further equations")

@@ -21,16 +21,16 @@ from contin.continuation.location.sameness import same_point
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
 from contin.continuation.outset import oriented, passed_over, set_out
-from contin.continuation.problem import Problem, in_two_parameters
+from contin.continuation.problem import Problem
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
 from contin.continuation.settings import Settings
+from contin.continuation.start_in_ranges import leaves_at_once, with_rounding, within_further_ranges
 from contin.errors import InputError, NotFiniteError
 
 NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
 FOLDS = ("LP", "LPC")
-BEYOND = 1e-9  # of the range: a start this far outside it was solved for, and lies on its bound
 
 
 @runtime_checkable
@@ -62,7 +62,7 @@ class Departure:
         The end says why there is no arm.
         """
         seed, problem = self.seed, self.seed.problem
-        outward = _outward(seed, self.start, sense, self.bounds)
+        outward = leaves_at_once(seed, self.start, sense, self.bounds)
         if outward is not None and not self._turns_here:
             return outward
         origin = self._origin(sense)
@@ -114,18 +114,13 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
     parameter = problem.parameters[0]
     if not bounds[0] < bounds[1]:
         raise InputError(f"range of {parameter}: the lower bound must be below the upper one; got {list(bounds)}")
-    bounds = _with_rounding(bounds, float(seed.z[-1]))
+    bounds = with_rounding(bounds, float(seed.z[-1]))
     if not seed.born and not bounds[0] <= seed.z[-1] <= bounds[1]:
         raise InputError(
             f"the start has {parameter} = {seed.z[-1]:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]"
         )
-    names = problem.parameters
-    if in_two_parameters(problem):
-        for name, (index, lowest, highest) in zip(names[1:], problem.walls, strict=False):
-            if not lowest <= seed.z[index] <= highest:
-                raise InputError(
-                    f"the start has {name} = {seed.z[index]:.10g}, outside the range [{lowest:g}, {highest:g}]"
-                )
+    seed = within_further_ranges(seed)
+    problem = seed.problem
     scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
     try:
         start, seen = _first_sample(seed, scale, settings)
@@ -144,13 +139,6 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
     notes = (*seed.remarks, *(item.text for item in seen if isinstance(item, Note)))
     return Departure(seed, bounds, settings, scale, start, here, known, notes)
-
-
-def _with_rounding(bounds: tuple[float, float], value: float) -> tuple[float, float]:
-    """The bounds, moved to a start that was solved for and lies beyond one by no more than a solution's errors."""
-    slack = BEYOND * (bounds[1] - bounds[0])
-    low, high = bounds
-    return value if low - slack <= value < low else low, value if high < value <= high + slack else high
 
 
 def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample, list[Found | Note]]:
@@ -208,18 +196,3 @@ def _up(tangent: Array) -> Array:
     """Oriented with the parameter; at a fold with the first unknown that moves."""
     leading = tangent[-1] if abs(tangent[-1]) > 1e-7 else tangent[np.flatnonzero(np.abs(tangent) > 1e-7)[0]]
     return tangent if leading > 0 else -tangent
-
-
-def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:
-    """An arm that would leave the range at once."""
-    problem, names = seed.problem, seed.problem.parameters
-    if in_two_parameters(problem):
-        for name, (index, lowest, highest) in zip(names[1:], problem.walls, strict=False):
-            value, rate = start.z[index], sense * start.tangent[index]
-            if (value >= highest and rate > 0) or (value <= lowest and rate < 0):
-                return End("bound", f"{name} starts on its bound {value:.10g}", {"value": float(value)})
-    value = start.z[-1]
-    rate = sense * start.tangent[-1]
-    if (value >= bounds[1] and rate > 0) or (value <= bounds[0] and rate < 0):
-        return End("bound", f"{seed.problem.parameters[0]} starts on its bound {value:.10g}", {"value": float(value)})
-    return None

@@ -17,6 +17,7 @@ from contin.systems.described import states_in_words
 FAR: Final = 0.5  # root mean square of the difference, as a part of the larger one of both extents: another solution
 PLACES: Final = 512
 CONSTANT: Final = 1e-3  # of a state's largest value: less change than this is none
+REMNANT: Final = 1e-6  # of the largest state's: what samples hold at zero and a solution to no more is its mesh's error
 
 
 def away(names: Sequence[str], samples: Array, solution: Array, shifted: str = "") -> str:
@@ -28,6 +29,7 @@ def away(names: Sequence[str], samples: Array, solution: Array, shifted: str = "
     least, most = solution.min(axis=0), solution.max(axis=0)
     size = np.maximum(np.maximum(np.abs(samples), np.abs(solution)).max(axis=0), np.finfo(float).tiny)
     extent = np.maximum(high - low, most - least)
+    size = np.where((high == low) & (low == 0.0), np.maximum(size, REMNANT * size.max()), size)
     moving = extent > CONSTANT * size
     centre = np.where(moving, 0.5 * (low + high), 0.0)
     a, b = ((u - centre) / np.where(moving, extent, size) for u in (samples, solution))

@@ -41,6 +41,19 @@ def test_orbits(size, shift, far):
     assert [note.startswith(FAR) for note in branch.notes] == ([True] if far else [])
 
 
+def test_states_that_samples_hold_at_zero():
+    """z is driven by what collocation leaves of r - 1: 2e-10 of noise is no variation that samples have not."""
+    rate = "(1 - x^2 - y^2)"
+    model = contin.Model(
+        "circle", states={"x": 1, "y": 0, "z": 0}, parameters={"a": 1.0},
+        equations={"x": f"x*{rate} - 2*y", "y": f"y*{rate} + 2*x", "z": f"a*z/2 - {rate}"},
+    )  # fmt: skip
+    t = np.linspace(0.0, np.pi, 41)
+    orbit = contin.periodic_orbit(model, np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t]), times=t)
+    branch = contin.continuation(orbit, "a", (0.9, 1.1), settings={"steps": 1})
+    assert not [note for note in branch.notes if note.startswith(FAR)]
+
+
 @pytest.mark.parametrize("apart", [0.0, 12.0])
 def test_two_pulses_that_lead_to_one(apart):
     model = contin.load(KDV)

@@ -17,7 +17,8 @@ from contin.continuation.curve import Stretch
 from contin.continuation.location.found import Found, Note, where
 from contin.continuation.outcome import Verified
 from contin.continuation.problem import Problem
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Chunk, Frame, Sample
+from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot
 from contin.machine import elementary
 
@@ -40,6 +41,7 @@ NOT_ON_MESH = "on this mesh but not on a finer one"
 NOT_FOLLOWED = "the curve cannot be followed on both sides"
 HELD = 1e100  # an unknown in so large a scale is none: as the section of orbits by shooting, it counts for nothing
 FAR = 100.0  # times the change of a column at an extremum from one mesh to the next: that beside it is no question
+TRUNCATED = 1e-11  # part of a second derivative that no difference tells better
 EPSILON = float(np.finfo(float).eps)
 SIGNS = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, -1], [-1, 1, 1, -1, 1], [1, 1, -1, -1, -1]], dtype=float)
 # of rounding errors in succession
@@ -126,17 +128,36 @@ class Extremum:
         size = float(np.abs(self.values(problem, near.z[None]))[0])
         width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
         rate = float(near.tangent[-1] * scale[-1])
-        turning = abs(float(near.tangent[-1])) <= TURNING
-        form = {
-            "of": self.column,
-            "kind": "maximum" if rising else "minimum",
-            "curvature": bend if turning else bend / elementary.square(rate),
-        }
+        curvature, off = self._curvature(stretch, near, look, rounding, finer)
+        kind = "maximum" if rising else "minimum"
+        form = {"of": self.column, "kind": kind, "curvature": curvature, "errors": {"curvature": off}}
         error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
         error += self._moved_by_mesh(near, finer, bend)
         residual = abs(self.slope(stretch, near)) / max(size, float(np.abs(bend)), 1e-300)
         point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
         return Found(stretch.length_of(near), point, near)
+
+    def _curvature(
+        self, stretch: Stretch, near: Sample, look: Look, rounding: float, finer: Finer | None
+    ) -> tuple[float, float]:
+        """The second derivative by the parameter (where that stands still: by arclength), and its error."""
+        scale = stretch.frame.scale
+        turning = abs(float(near.tangent[-1])) <= TURNING
+
+        def by_parameter(bend: float, sample: Sample, scale: Array) -> float:
+            return bend if turning else bend / elementary.square(float(sample.tangent[-1] * scale[-1]))
+
+        here = by_parameter(look.bend, near, scale)
+        closer = self._look(stretch, near, 0.5 * look.step)  # both what is truncated and what scatters are others there
+        uncertain = abs(look.bend) if closer is None else SAFETY * abs(closer.bend - look.bend)
+        uncertain += 2.0 * rounding / (STEP * look.step) + TRUNCATED * abs(look.bend)
+        error = abs(by_parameter(uncertain, near, scale))
+        if finer is None:
+            return here, error
+        problem, sample, frame = finer
+        there = self._look(Stretch(problem, sample, frame, stretch.settings), sample, STEP)
+        moved = abs(here) if there is None else abs(by_parameter(there.bend, sample, frame.scale) - here)
+        return here, error + SAFETY * moved
 
     def _turns_on_mesh(
         self, stretch: Stretch, finer: Finer | None, bend: float, ends: tuple[Sample, Sample]
@@ -175,6 +196,27 @@ class Extremum:
         ahead, rate = -slope / bend, abs(float(sample.tangent[-1]))
         moved = abs(float(sample.z[-1] - near.z[-1])) + float(frame.scale[-1]) * abs(ahead) * (rate + 0.5 * abs(ahead))
         return SAFETY * moved
+
+    def is_constant(self, problem: Problem, chunk: Chunk, rows: int, frame: Frame, settings: Settings) -> bool:
+        """True of a column that is the same in the first rows, to what it changes by where these are solved for again.
+
+        Asked are the rows at which it is lowest and highest, of a column that hardly changes; on a finer mesh, too.
+        """
+        values = self.values(problem, chunk.z[:rows])
+        ends = [chunk.sample(int(k)) for k in (np.argmin(values), np.argmax(values))]
+        spread = float(np.ptp(values))
+        if not spread <= CLEAR * max(self.rounding(problem, end.z, frame.scale) for end in ends):
+            return False
+        off = 0.0
+        for end in ends:
+            finer = problem.refined(end, frame)
+            off += self._uncertainty(Stretch(problem, end, frame, settings), end)
+            off += 0.0 if finer is None else self._moved_on_mesh(problem, end, finer)
+        return spread <= SCATTER * off
+
+    def _moved_on_mesh(self, problem: Problem, at: Sample, finer: Finer) -> float:
+        """What the column changes by on a finer mesh."""
+        return abs(float(self.values(finer[0], finer[1].z[None])[0]) - float(self.values(problem, at.z[None])[0]))
 
     def _stands_out(
         self, stretch: Stretch, at: Sample, scatter: float, ends: tuple[Sample, Sample], rising: bool, rounding: float

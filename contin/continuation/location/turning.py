@@ -33,7 +33,10 @@ def turns(
 ) -> Iterator[Row | Note]:
     """Extrema between consecutive rows of a chunk, the first `rows` of it; notes where one could not be verified."""
     for extremum in extrema:
-        for row in suspicious(extremum, problem, chunk.z[:rows], chunk.tangents[:rows], frame).tolist():
+        steps = suspicious(extremum, problem, chunk.z[:rows], chunk.tangents[:rows], frame).tolist()
+        if steps and extremum.is_constant(problem, chunk, rows, frame, settings):
+            continue  # slopes have the signs of rounding, in any of the steps
+        for row in steps:
             a, b = chunk.sample(row), chunk.sample(row + 1)
             stretch = Stretch(problem, a, frame, settings)
             for found in between(extremum, stretch, a, b):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeGuard
 
 import numpy as np
 
@@ -49,20 +50,34 @@ def of_codimension_two(
     return Seed(problem, base.problem.curve.place(u, p, scalar), parent=parent)
 
 
+def of_codimension_two_alone(problem: object) -> TypeGuard[AugmentedCurve]:
+    """True of a curve in three parameters that holds nothing but what makes its points ones of codimension two."""
+    if not (isinstance(problem, AugmentedCurve) and isinstance(problem.base, PointBase)):
+        return False
+    return all(isinstance(one, Degeneracy | Unfolding) for one in problem.held)
+
+
 def under_conditions(seed: Seed, relations: tuple[Relation, ...], free: Sequence[str]) -> Seed:
-    """The seed's curve in two parameters with conditions, for which the parameters `free` are solved."""
-    locus = seed.problem
-    assert isinstance(locus, LocusProblem)
+    """The seed's curve in two (three) parameters with conditions, for which the parameters `free` are solved."""
+    old = seed.problem
+    kept: tuple[Degeneracy | Unfolding, ...] = ()
+    bounds: tuple[tuple[float, float], ...]
+    if isinstance(old, LocusProblem):
+        locus, codimension, type_ = old, 1, old.locus
+        bounds = (old.first_bounds, old.second_bounds)
+    else:
+        assert isinstance(old, AugmentedCurve)
+        assert isinstance(old.base, PointBase)
+        locus, kept = old.base.problem, tuple(one for one in old.held if isinstance(one, Degeneracy | Unfolding))
+        codimension, type_, bounds = old.base.codimension, old.type, old.bounds
     model = locus.system.model
     if not isinstance(model, Model):
         raise InputError("conditions need a model made of formulas")
     own = locus.curve
     u, p, z = seed.z[: own.n], own.full_parameters(seed.z), seed.z
-    base = PointBase(bordered(locus, locus.locus, p, (*locus.parameters, *free)))
-    held = Conditions(model, relations, base.problem)
-    problem = AugmentedCurve(
-        base, (held,), locus.locus, locus.parameters, tuple(free), (locus.first_bounds, locus.second_bounds)
-    )
+    base = PointBase(bordered(locus, locus.locus, p, (*old.parameters, *free)), codimension)
+    held = (*(replace(one, locus=base.problem) for one in kept), Conditions(model, relations, base.problem))
+    problem = AugmentedCurve(base, held, type_, old.parameters, tuple(free), bounds)
     start = base.problem.curve.place(u, p, own.scalar(z) if own.has_scalar else 0.0)
     return replace(seed, problem=problem, z=onto(problem, start), direction=None, scale=None)
 

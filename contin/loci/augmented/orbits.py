@@ -26,7 +26,8 @@ from contin.problems.conditioned.under_conditions import product_of
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.linearised.multipliers import nontrivial, without
-from contin.problems.orbits.measured.columns import names_of, orbit_columns, with_observables
+from contin.problems.orbits.measured.columns import names_of, norms, orbit_columns, with_observables
+from contin.problems.orbits.measured.measures import standard_columns, standard_names
 from contin.problems.orbits.normal_forms.codimension_two import has_coefficients, with_coefficients
 from contin.problems.orbits.special_orbits.defining import special_on_finer_mesh
 
@@ -211,11 +212,20 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         found["period"] = np.array([self.profile(row).period for row in z])
         if self.extra:
             found["unfolding"] = z[:, -self.behind].copy()  # rows are padded on the left
-        return found | orbit_columns(z, names_of(self.system), self.profile, functions)
+        found |= orbit_columns(z, names_of(self.system), self.profile, functions)
+        if self.type:
+            return found
+        found |= standard_columns(self.system, found, lambda: norms(z, self.profile))
+        if self.problem.measures is not None:
+            profiles = [self.profile(row) for row in z]
+            found |= self.problem.measures.columns(profiles, lambda k: self.at(z[k]).full_parameters(self.inner(z[k])))
+        return found
 
     def column_names(self) -> tuple[str, ...]:
         parts = (f"{name}.{end}" for name in names_of(self.system) for end in ("min", "max"))
-        return (*self.names, "period", *parts)
+        measures = self.problem.measures
+        further = () if self.type else (*standard_names(self.system), *(() if measures is None else measures.texts))
+        return (*self.names, "period", *parts, *further)
 
     def describe_failure(self, z: Array) -> str:
         return str(self.at(z).describe_failure(self.inner(z)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -93,7 +93,7 @@ class ConditionedEquilibria(Conditioned):
         distances = values - 1.0 if self.is_map else values / self.rate
         return np.array([product_of(distances), tests[PAIR], tests[FLIP]]), count, values
 
-    def inner_type(self, test: str, near: Sample, also: Sequence[str]) -> str | None:
+    def inner_type(self, test: str, near: Sample, also: Collection[str]) -> str | None:
         if test == "zero":
             return "LP" if not also else "BP"
         if test == "flip":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -119,7 +119,7 @@ class ConditionedOrbits(Conditioned):
         tests = np.array([product_of(beyond), product_of(others + 1.0), product_of(pairs)])
         return tests, int(np.sum((np.abs(others) > 1.0) & ~critical)), values
 
-    def inner_type(self, test: str, near: Sample, also: Sequence[str]) -> str | None:
+    def inner_type(self, test: str, near: Sample, also: Collection[str]) -> str | None:
         if test == "zero":
             return "LPC" if not also else "BPC"
         if test == "flip":

@@ -8,7 +8,7 @@ LP with `of: curve` in their normal form.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Final
 
@@ -47,7 +47,7 @@ class Conditioned(ConditionedEquations):
         """The same on a finer mesh, where there is one."""
 
     @abstractmethod
-    def inner_type(self, test: str, near: Sample, also: Sequence[str]) -> str | None:
+    def inner_type(self, test: str, near: Sample, also: Collection[str]) -> str | None:
         """The type of the special point that a test's zero is for the problem without conditions."""
 
     # -- the engine's contract -----------------------------------------------------------------------------------------
@@ -154,8 +154,7 @@ class Conditioned(ConditionedEquations):
             return self._turn(near, frame)
         if type_ == CURVE_BP:
             return Rejected("a branch point of the curve of conditioned solutions alone, not labelled")
-        inner = self.inner_type(type_, near, ())
-        return NOTHING if inner is None else self._solved(inner, near, frame)
+        return self._of_test(type_, near, frame, ())
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         crossed = [name for name, x in zip((TURN, CURVE_BP, *self.TESTS), a.tests * b.tests, strict=True) if x < 0.0]
@@ -163,12 +162,19 @@ class Conditioned(ConditionedEquations):
         for name in crossed:
             if name in (TURN, CURVE_BP) and "zero" in crossed:
                 continue
-            if name == "zero" and {TURN, CURVE_BP} & set(crossed):
-                inner = self.inner_type(name, a, crossed)
-                found.append(NOTHING if inner is None else self._solved(inner, a, frame))
-            else:
-                found.append(self.verify(name, a, frame))
+            beside = {TURN, CURVE_BP} & set(crossed)
+            together = name == "zero" and beside
+            found.append(self._beside_turns(a, frame, beside) if together else self.verify(name, a, frame))
         return found
+
+    def _beside_turns(self, near: Sample, frame: Frame, beside: Collection[str]) -> Outcome:
+        """A zero where the curve turns, too: a fold that depends on no free parameter, else a branch point."""
+        fold = NOTHING if CURVE_BP in beside else self._of_test("zero", near, frame, ())
+        return fold if isinstance(fold, Verified) else self._of_test("zero", near, frame, beside)
+
+    def _of_test(self, test: str, near: Sample, frame: Frame, also: Collection[str]) -> Outcome:
+        inner = self.inner_type(test, near, also)
+        return NOTHING if inner is None else self._solved(inner, near, frame)
 
     def alone(self, z: Array, tangent: Array, scale: Array) -> tuple[Problem, Array, Array, Array]:
         problem: Problem = self.at(self.free_values(z))
