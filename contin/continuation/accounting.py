@@ -18,6 +18,7 @@ BESIDE: Final = 3  # rows about a corner that the corrector may put on either of
 TURNED: Final = 1e-6  # scaled slope of the parameter beyond which its sign is no rounding error
 SEEN: Final = ("UZ", "EX")  # what tells of no event
 TWICE: Final = ("BP", "BPC")  # points that a branch may pass twice
+ELSEWHERE: Final = 2  # a branch comes back to a label only if more rows lie between
 BEYOND, ROUNDED = 0.2, 1e-12  # of two rows' distance, for what bends between them; of values
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
 
@@ -122,7 +123,7 @@ def passed_again(
     """
     change = abs(int(unstable[row]) - int(unstable[row - 1]))
     for place, point, _ in labels:
-        if point.type not in TWICE or change != moved(point):
+        if point.type not in TWICE or change != moved(point) or abs(place - row) <= ELSEWHERE:
             continue
         if all(_between(values[row - 1], values[row], values[place]) for values in columns.values()):
             return True
@@ -135,10 +136,13 @@ def turns_again(
     """True where the parameter turns, just before a row, at a branch point that is one of its own labels elsewhere.
 
     As in the node of Descartes' folium, where the branch comes back along the other arm. Values between two rows may
-    lie beyond both by as much as they change in the steps beside.
+    lie beyond both by as much as they change in the steps beside; so a label within these steps is no second passage,
+    and a turn beside it is one that nobody has seen.
     """
     for place, point, _ in labels:
-        if point.type in TWICE and all(_bent(values, row, float(values[place])) for values in columns.values()):
+        if point.type not in TWICE or abs(place - row) <= ELSEWHERE:
+            continue
+        if all(_bent(values, row, float(values[place])) for values in columns.values()):
             return True
     return False
 

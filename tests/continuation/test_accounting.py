@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.continuation.accounting import unexplained
+from contin.continuation.accounting import turns_again, unexplained
 from contin.continuation.outcome import Verified
 from contin.continuation.rows import Rows
 from contin.continuation.segment import Row, Segment
@@ -178,3 +178,11 @@ def test_a_branch_that_turns_at_its_own_node_has_no_turn_untold():
     ]  # fmt: skip
     assert not branch.notes
     assert not branch.unexplained
+
+
+@pytest.mark.parametrize(("place", "elsewhere"), [(20, True), (13, True), (12, False), (8, False), (2, True)])
+def test_a_turn_beside_a_label_is_no_second_passage_of_it(place, elsewhere):
+    """The parameter turns before row 10; a branch point elsewhere along the branch may be what it passes again."""
+    columns = {"a": np.linspace(0.0, 1.0, 21) ** 2}
+    columns["a"][place] = columns["a"][10]
+    assert turns_again(10, columns, [(place, label("BP"), 1.0)]) is elsewhere
