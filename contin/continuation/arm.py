@@ -51,6 +51,7 @@ class Arm:
     scale: Array
     loop: Sample | None = None
     march: Callable[..., Chunk] | None = None
+    plain: bool = False  # the branch starts at the origin itself, which is no special point
     end: End | None = None
     accepted: int = 0
     retraced: int = 0  # last segments, which are rows of the arm once more
@@ -304,7 +305,8 @@ class Arm:
         resolved: tuple[Segment, End | None] | Again = Again(1)
         with contained(errors.append):
             passing = self.retries == PASSING
-            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing)
+            plain = self.plain and self.accepted == 0 and before is None
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing, plain)
         if not errors:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)

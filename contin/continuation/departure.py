@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
-
-import numpy as np
 
 from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
+from contin.continuation.first_sample import first_sample
 from contin.continuation.last_step import Course
 from contin.continuation.location.bounds import walls_passed
 from contin.continuation.location.found import Found, Note
@@ -21,7 +20,6 @@ from contin.continuation.location.sameness import same_point
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
 from contin.continuation.outset import oriented, passed_over, set_out
-from contin.continuation.problem import Problem
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
@@ -29,7 +27,6 @@ from contin.continuation.settings import Settings
 from contin.continuation.start_in_ranges import leaves_at_once, with_rounding, within_further_ranges
 from contin.errors import InputError, NotFiniteError
 
-NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
 FOLDS = ("LP", "LPC")
 
 
@@ -80,7 +77,8 @@ class Departure:
         course = Course(
             problem, self.bounds, self.settings, wanted, self.known, seed.symmetries, foundling=seed.parent is None
         )
-        arm = Arm(course, origin, self.scale.copy(), oriented(self.start, sense), march)
+        plain = not seed.born and not self.here
+        arm = Arm(course, origin, self.scale.copy(), oriented(self.start, sense), march, plain)
         return arm, [self._first_row(origin, sense)] if seed.born else []
 
     def _first_row(self, origin: Sample, sense: int) -> Segment:
@@ -123,7 +121,7 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
     problem = seed.problem
     scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
     try:
-        start, seen = _first_sample(seed, scale, settings)
+        start, seen, edges = first_sample(seed, scale, settings)
         here = [item for item in seen if isinstance(item, Found)]
     except NotFiniteError:
         unfolded = problem.unfolded(seed.z, Frame(scale))
@@ -132,67 +130,34 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         start, point, beside = unfolded
         seed = replace(seed, z=point.z, beside=beside, arms=tuple(arm for arm in seed.arms if arm in beside))
         here = [Found(0.0, point, start)]
-        seen = []
+        seen, edges = [], ()
     known = [f.point for f in here]
     if seed.born:  # the parent is not a label of the branch, should it come back to it
         type_ = {"orbit": "BPC", "locus": "ZH"}.get(problem.kind, "BP")
         known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
+    departure = Departure(seed, bounds, settings, scale, start, here, known)
+    seen = [*seen, *(_up_to_arms(departure, *edges) if here and edges else ())]
     notes = (*seed.remarks, *(item.text for item in seen if isinstance(item, Note)))
-    return Departure(seed, bounds, settings, scale, start, here, known, notes)
+    return replace(departure, notes=notes)
 
 
-def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample, list[Found | Note]]:
-    """The start with tangent and tests, the special points that it coincides with, and what could not be told there."""
-    problem = seed.problem
-    if seed.born:
-        assert seed.direction is not None
-        empty = np.full(4, np.nan)
-        return Sample(seed.z, seed.direction, empty, 0, np.empty(0, complex)), []
-    tangents = problem.tangents(seed.z, scale)
-    tangent = max(tangents, key=lambda t: abs(t[-1]))
-    base = Sample(seed.z, _up(tangent), np.full(4, np.nan), 0, np.empty(0, complex))
-    frame = Frame(scale)
-    measured = problem.probe(base, 0.0, seed.z, frame, settings)
-    if measured is not None and len(tangents) == 1:
-        start = replace(measured, z=seed.z, tangent=_up(measured.tangent))
-        if not _suspicious(start):
-            return start, []
-    width = NEAR_START * settings.first_step
-    for _ in range(8):
-        a = problem.probe(base, -width, seed.z - width * scale * base.tangent, frame, settings)
-        b = problem.probe(base, width, seed.z + width * scale * base.tangent, frame, settings)
-        if a is not None and b is not None:
-            break
-        width *= 4
-    else:
-        raise NotFiniteError(f"the branch cannot be followed from the start. {problem.describe_failure(seed.z)}")
-    stretch = Stretch(problem, base, frame, settings)
-    return replace(b, z=seed.z, tangent=base.tangent), _once(problem, isolate(stretch, a, b), scale)
+def _up_to_arms(departure: Departure, a: Sample, b: Sample) -> Iterator[Note]:
+    """What lies between the samples on both sides of a special start and those from which its arms set out.
 
-
-def _once(problem: Problem, items: Iterable[Found | Note], scale: Array) -> list[Found | Note]:
-    """Each point once: where several coincide, a search between them may come to one from either side."""
-    kept: list[Found | Note] = []
-    for item in items:
-        points = [other.point for other in kept if isinstance(other, Found)]
-        if isinstance(item, Note) or not any(same_point(problem, item.point, point, scale) for point in points):
-            kept.append(item)
-    return kept
-
-
-def _suspicious(start: Sample) -> bool:
-    """A start at or next to a special point: look on both sides of it."""
-    size = np.abs(start.eigenvalues)
-    largest = float(size.max()) if size.size else 0.0
-    return bool(
-        abs(start.tangent[-1]) < 1e-3
-        or np.any(np.abs(start.tests[2:]) < 1e-4)
-        or (largest > 0 and float(np.abs(start.eigenvalues.real).min()) < 1e-4 * largest)
-        or (largest == 0.0)
-    )
-
-
-def _up(tangent: Array) -> Array:
-    """Oriented with the parameter; at a fold with the first unknown that moves."""
-    leading = tangent[-1] if abs(tangent[-1]) > 1e-7 else tangent[np.flatnonzero(np.abs(tangent) > 1e-7)[0]]
-    return tangent if leading > 0 else -tangent
+    Points are added to those that are known, and labelled beside the start; what is left are notes.
+    """
+    problem, scale, start = departure.seed.problem, departure.scale, departure.start
+    stretch = Stretch(problem, start, Frame(scale), departure.settings)
+    for sense, edge in ((-1, a), (1, b)):
+        origin = departure.origin(sense)
+        if origin is None or origin.z.shape != edge.z.shape:
+            continue
+        if sense * (stretch.length_of(origin) - stretch.length_of(edge)) <= 0.0:
+            continue
+        low, high = (origin, edge) if sense < 0 else (edge, origin)
+        for item in isolate(stretch, low, high):
+            if isinstance(item, Note):
+                yield item
+            elif not any(same_point(problem, item.point, other, scale) for other in departure.known):
+                departure.here.append(item)
+                departure.known.append(item.point)

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.location.back_at_start import back_at_start
+from contin.continuation.location.beside_ends import after_start, before_end
 from contin.continuation.location.bounds import at_wall, just_beyond, on_bound_itself, walls_passed
 from contin.continuation.location.dips import dips, resolve_dip
 from contin.continuation.location.found import Found, Note, anchored
@@ -77,13 +78,14 @@ class Again:
 
 def resolve(
     course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
-    event: Behind | None = None, passing: bool = False,
+    event: Behind | None = None, passing: bool = False, beginning: bool = False,
 ) -> tuple[Segment, End | None] | Again:  # fmt: skip
     """Labels and end of a chunk; `Again` where its last step jumped and must be repeated with a shorter one.
 
     before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
     corrector failed, the arm goes on.  event : a labelled point in the step that led to the chunk's first row.
-    passing : no step is repeated: shorter ones have not explained what changes here either.
+    passing : no step is repeated: shorter ones have not explained what changes here either.  beginning : the first row
+    is where the branch starts, at no special point.
     """
     rows, frame = len(chunk) - 1, Frame(scale, chunk.reference, chunk.gauge)
     segment = Segment(
@@ -111,6 +113,10 @@ def resolve(
         jumps = tuple(rows if length >= 0.0 else rows - 1 for length in step.jumps)
         segment = replace(segment, notes=(*notes, *step.notes), jumps=jumps, hiding=hiding + step.hiding)
         marked += [_row(f, chunk, scale) for f in step.found]
+        if beginning:
+            hidden, more, untold = _at_beginning(course, chunk, frame, step.last if rows == 1 else chunk.sample(1))
+            marked += hidden
+            segment = replace(segment, notes=(*more, *segment.notes), hiding=segment.hiding + untold)
         if step.found and end is None:
             first = Behind(step.found[0].point, float(np.sum(chunk.lengths[1:rows])) + step.found[0].length)
             before_it = _low(course, chunk, first, forward=False)
@@ -199,11 +205,27 @@ class _LastStep:
                     place = item.at if isinstance(item, Note) else None
                     if place is None or not self._is_next_to(known, place):  # a test that only touches zero at an event
                         yield item, 1
+        if self.end is not None and self.last is not self.marched:
+            for item in before_end(stretch, earlier, self.last, self.marched):
+                place = item.at if isinstance(item, Note) else None
+                if self._is_inside(item) and (place is None or not self._is_next_to(known, place)):
+                    yield replace(item, suspect=False) if isinstance(item, Note) else item, 1
+
+    def _is_inside(self, item: Found | Note) -> bool:
+        """True for what lies before the end of the arm, as far as that is known; `_take` looks at points on a bound."""
+        place = item.point.z if isinstance(item, Found) else item.place
+        if place is None or place.shape != self.last.z.shape:
+            return True
+        if self.chunk.stop is Stop.BOUND:
+            if isinstance(item, Note):
+                return not walls_passed(self.problem, place, self.course.bounds)
+            return on_bound_itself(self.problem, item.point, self.course.bounds, self.scale) is not None
+        return dot(self.stretch.base.tangent, (place - self.last.z) / self.scale) <= 0.0
 
     def _take(self, item: Found) -> None:
         """A point that is found for the first time; of those behind the bound, what its error may have put there."""
         point: Verified | None = item.point
-        if self.reach is not None and point is not None:
+        if self.chunk.stop is Stop.BOUND and point is not None:
             point = on_bound_itself(self.problem, point, self.course.bounds, self.scale)
         if point is not None and not self._is_labelled(point):
             self.found.append(item if point is item.point else replace(item, point=point))
@@ -296,22 +318,38 @@ def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]
     return {near for k in dips for near in ((k - 1, k) if forward else (k, min(k + 1, last)))}
 
 
+def _at_beginning(course: Course, chunk: Chunk, frame: Frame, first: Sample) -> tuple[list[Row], list[str], int]:
+    """What the first step hides behind tests that are low at the start; see `_in_steps`."""
+    stretch = Stretch(course.problem, chunk.sample(0), frame, course.settings)
+    return _kept(course, frame, [(1, item) for item in after_start(stretch, first)])
+
+
 def _in_steps(
     course: Course, chunk: Chunk, frame: Frame, event: Behind, rows: set[int], forward: bool = True
 ) -> tuple[list[Row], list[str], int]:
     """What the steps beyond these rows hide, seen from an event nearby; notes, and how many say that it may."""
-    found, notes, hiding = [], [], 0
+    items: list[tuple[int, Found | Note]] = []
     for k in sorted(rows):
         stretch = Stretch(course.problem, chunk.sample(k), frame, course.settings)
         far = k + 1 if forward else k - 1
         centre = event.length - float(np.sum(chunk.lengths[1 : k + 1]))
-        for item in next_to_event(stretch, chunk.sample(k), chunk.sample(far), event.point, centre):
-            if isinstance(item, Note):
-                notes.append(item.text)
-                hiding += item.hides
-            elif not course.is_known(item.point, frame.scale):
-                course.known.append(item.point)
-                found.append(Row(max(k, far), item.length, item.point, item.sample.tangent))
+        found = next_to_event(stretch, chunk.sample(k), chunk.sample(far), event.point, centre)
+        items += [(max(k, far), item) for item in found]
+    return _kept(course, frame, items)
+
+
+def _kept(
+    course: Course, frame: Frame, items: Sequence[tuple[int, Found | Note]]
+) -> tuple[list[Row], list[str], int]:  # fmt: skip
+    """Of what lies before these rows, the points that are not labelled yet (they are from now on); notes; see above."""
+    found, notes, hiding = [], [], 0
+    for row, item in items:
+        if isinstance(item, Note):
+            notes.append(item.text)
+            hiding += item.hides
+        elif not course.is_known(item.point, frame.scale):
+            course.known.append(item.point)
+            found.append(Row(row, item.length, item.point, item.sample.tangent))
     return found, notes, hiding
 
 

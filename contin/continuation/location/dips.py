@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from contin.continuation.curve import Stretch
-from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, found_at, where
+from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, found_at, noted
 from contin.continuation.location.isolate import isolate, together_between
 from contin.continuation.location.rest_of_step import rounding
 from contin.continuation.location.sameness import same_point
@@ -88,7 +88,7 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
             trial = stretch.between(*pair, fraction)
         if trial is None:
             if f[1] <= LOST * size(here):
-                yield Note(where(stretch, middle, TOUCHES))
+                yield noted(stretch, middle, TOUCHES)
             return
         f_trial = size(trial)
         if f_trial < 0.0 or trial.unstable != here.unstable:
@@ -97,7 +97,7 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
                 hidden = [replace(item, suspect=False) if isinstance(item, Note) else item for item in hidden]
             items = list(_pair(stretch, low, high, a, hidden))
             if not items and in_two_parameters(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
-                items = [Note(where(stretch, trial, TOUCHES))]
+                items = [noted(stretch, trial, TOUCHES)]
             yield from items
             return
         if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
@@ -151,7 +151,7 @@ def _pair(
     if touching:
         yield from (found_at(stretch, low, point, anchor) for point in touching)
         return
-    yield Note(f"{TOUCHES} near {position(stretch.problem, points[0].z)}")
+    yield Note(f"{TOUCHES} near {position(stretch.problem, points[0].z)}", place=points[0].z)
     if len(points) == 2:
         yield from (item for item in items if isinstance(item, Note))
 
@@ -164,7 +164,7 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
         low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))
         items = [i for i in together_between(stretch, low, replace(high, tests=turned)) if not isinstance(i, Nothing)]
         if any(_is_unknown(stretch, item, test) for item in items):
-            yield Note(where(stretch, low, TOUCHES))
+            yield noted(stretch, low, TOUCHES)
         else:  # it is part of a point of another type, or curves cross there (at `crossed`), whose tests may touch zero
             for item in items:
                 assert isinstance(item, Verified)
@@ -177,7 +177,7 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
     ]
     yield from (found_at(stretch, low, point, anchor) for point in points)
     if not points and (together or test == 0):
-        yield Note(where(stretch, low, TOUCHES))
+        yield noted(stretch, low, TOUCHES)
 
 
 def _is_unknown(stretch: Stretch, item: Outcome, test: int) -> bool:

@@ -36,10 +36,18 @@ class Note:
     hides: bool = False  # events may lie there that were not told from each other
     at: Array | None = None  # where tests are rounding errors: next to a labelled point they are, and that says nothing
     jump: float | None = None  # arclength at which unstable values change for want of smoothness: no riddle
+    place: Array | None = None  # a point next to it
 
 
 def where(stretch: Stretch, a: Sample, text: str) -> str:
     return f"{text} near {position(stretch.problem, a.z)}"
+
+
+def noted(
+    stretch: Stretch, near: Sample, text: str, suspect: bool = False, hides: bool = False, at: Array | None = None
+) -> Note:  # fmt: skip
+    """A note of what was seen next to a sample."""
+    return Note(where(stretch, near, text), suspect, hides, at, place=near.z)
 
 
 def exactly(stretch: Stretch, z: Array, text: str) -> str:

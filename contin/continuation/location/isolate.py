@@ -25,7 +25,7 @@ from contin.continuation.location.both_sides import (
     untold,
     vanishes_linearly,
 )
-from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, exactly, where
+from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, exactly, noted, where
 from contin.continuation.location.lost_digits import turning_alone, unresolved
 from contin.continuation.location.rest_of_step import (
     is_clear,
@@ -55,7 +55,7 @@ LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may
 def _lost(stretch: Stretch, sample: Sample, alike: bool = False) -> Note:
     """alike : all that could lie there has the same parameter."""
     text = LOST_IN_ROUNDING + (SAME_THERE.format(parameter=stretch.problem.parameters[0]) if alike else "")
-    return Note(where(stretch, sample, text), hides=not alike, at=sample.z)
+    return noted(stretch, sample, text, hides=not alike, at=sample.z)
 
 
 def isolate(
@@ -99,7 +99,7 @@ def isolate(
                 yield from together
             yield from isolate(stretch, high, b, DEPTH, beside)
         else:
-            yield Note(where(stretch, low, verified.reason))
+            yield noted(stretch, low, verified.reason)
         return
     if width <= COINCIDENT or depth >= DEPTH or len(stretch.halved) >= HALVINGS:
         yield from _compound(stretch, a, b, "changes that could not be told apart")
@@ -170,7 +170,7 @@ def _with_rest(
     unseen = untold(stretch, point, (a, b), sides)
     if unseen > 0.0:
         text = f"{found.point.type}: the branch is not found beside it, and others may lie closer than {unseen:g} to it"
-        yield Note(where(stretch, point, text), hides=True)
+        yield noted(stretch, point, text, hides=True)
     simple, lost, centre, labelled = True, False, stretch.length_of(point), [found.length]
     for look in sides:
         simple &= vanishes_linearly(stretch, point, look, crossing)
@@ -195,10 +195,10 @@ def _with_rest(
         alike = _turns_only(stretch, found.point.type, found.point, *(look.near for look in sides))
         if alike:
             text += SAME_THERE.format(parameter=stretch.problem.parameters[0])
-        yield Note(where(stretch, point, text), hides=stretch.problem.adaptive and not alike)
+        yield noted(stretch, point, text, hides=stretch.problem.adaptive and not alike)
     elif cluster is not None and cluster.count > len(labelled):
         text = f"{found.point.type}: others lie about {cluster.distance:g} or less from it{words}"
-        yield Note(where(stretch, point, text), hides=True)
+        yield noted(stretch, point, text, hides=True)
 
 
 def _of_event(crossing: NDArray[np.bool_], sides: Sequence[Side]) -> NDArray[np.bool_]:
@@ -387,10 +387,10 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
     corner = stretch.problem.verify_corner(a, b, stretch.frame)
     items = [corner] if corner is not None else together_between(stretch, a, b)
     if not items:
-        yield Note(where(stretch, a, why), True)
+        yield noted(stretch, a, why, True)
     for item in items:
         if isinstance(item, Verified) and norm((item.z - a.z) / stretch.frame.scale) > stretch.settings.max_step:
-            yield Note(where(stretch, a, unverified(item.type, LEFT).reason), True)
+            yield noted(stretch, a, unverified(item.type, LEFT).reason, True)
         elif isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
             yield Found(length, anchored_on_branch(item, stretch.base), at_point(stretch, a, item))
@@ -401,7 +401,7 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
             yield Note(text, jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
             timeless = not stretch.problem.has_stability and not in_two_parameters(stretch.problem)
-            yield Note(where(stretch, a, item.reason), item.suspect, hides=item.suspect and timeless)
+            yield noted(stretch, a, item.reason, item.suspect, hides=item.suspect and timeless)
 
 
 def _is_elsewhere(stretch: Stretch, a: Sample, b: Sample, found: Verified, length: float) -> bool:

@@ -1,0 +1,95 @@
+"""Pairs of events next to a bound or to the start, where no further row tells of them: points beyond stand for it.
+
+Between two rows with equal signs a pair shows only in a third row: a test is lowest at the one in the middle. Behind a
+bound, and before the start, the branch has no rows, so one point of it is computed there, and what is found beyond the
+end is dropped. Nothing is looked for where the equations have no value beyond.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from contin.continuation.curve import Stretch
+from contin.continuation.location.dips import dips, resolve_dip
+from contin.continuation.location.found import Found, Note
+from contin.continuation.location.isolate import isolate
+from contin.continuation.sample import Sample
+from contin.errors import InputError, NotFiniteError
+from contin.linalg.vectors import dot
+
+AHEAD: Final = 0.5  # cosine of the tangents at a point beyond an end and at the last row
+EXACT: Final = ("equilibrium", "fixed-point", "algebraic")  # kinds that are looked at beyond a bound for little
+
+
+def after_start(stretch: Stretch, first: Sample) -> Iterator[Found | Note]:
+    """What lies between the start (`stretch.base`) and the first row behind a test that is low at the start."""
+    start = stretch.base
+    if not _may_dip(start, first):
+        return
+    beyond = _on_from(stretch, start, -stretch.distance(start, first))
+    if beyond is None:
+        return
+    for test in dips(stretch, beyond, start, first):
+        for item in resolve_dip(stretch, beyond, start, first, test):
+            if _length(stretch, item, 0.0) >= 0.0:
+                yield item
+
+
+def before_end(stretch: Stretch, earlier: Sample | None, last: Sample, marched: Sample) -> Iterator[Found | Note]:
+    """What the step from `stretch.base` to `last`, at an end of the arm, may hide; with what lies beyond that end.
+
+    earlier : the row before `stretch.base`.  marched : the row beyond the end.
+    """
+    base = stretch.base
+    triples = [] if earlier is None else [(earlier, base, last)]
+    if stretch.distance(last, marched) > 0.0:
+        triples += [] if earlier is None else [(earlier, base, marched)]
+        triples += [(base, last, marched)]
+    looked: set[int] = set()
+    for low, here, high in triples:
+        for test in dips(stretch, low, here, high):
+            if test not in looked:
+                looked.add(test)
+                yield from resolve_dip(stretch, low, here, high, test)
+    if _may_dip(marched, base):
+        further = _on_from(stretch, marched, stretch.distance(base, marched))
+        for test in [] if further is None else dips(stretch, base, marched, further):
+            if test not in looked and further is not None:
+                yield from resolve_dip(stretch, base, marched, further, test)
+    if stretch.problem.kind in EXACT and _changes(last, marched) and not _changes(base, last):
+        yield from (item for item in isolate(stretch, base, marched) if isinstance(item, Found))
+
+
+def _may_dip(here: Sample, row: Sample) -> bool:
+    """True where a test is lower here than at a row, with the same sign: the other side of it decides."""
+    here_, row_ = here.tests, row.tests
+    return here_.shape == row_.shape and bool(np.any((here_ * row_ > 0.0) & (np.abs(here_) <= np.abs(row_))))
+
+
+def _changes(a: Sample, b: Sample) -> bool:
+    """True where a test changes its sign between two points, or the number of unstable eigenvalues does."""
+    return a.unstable != b.unstable or a.tests.shape != b.tests.shape or bool(np.any(a.tests * b.tests < 0.0))
+
+
+def _on_from(stretch: Stretch, row: Sample, length: float) -> Sample | None:
+    """The point of the branch at a length along a row's tangent; None where it is not found, or has no value."""
+    guess = row.z + length * stretch.frame.scale * row.tangent
+    try:
+        found = stretch.problem.probe(row, length, guess, stretch.frame, stretch.settings)
+    except (InputError, NotFiniteError):  # the equations' domain ends there
+        return None
+    near = found is not None and stretch.distance(row, found) <= 2.0 * abs(length)
+    return found if near and found is not None and dot(found.tangent, row.tangent) > AHEAD else None
+
+
+def _length(stretch: Stretch, item: Found | Note, unknown: float) -> float:
+    """Arclength of an item along the stretch; `unknown` where a note has no place."""
+    if isinstance(item, Found):
+        return item.length
+    place = item.place
+    if place is None or place.shape != stretch.base.z.shape:
+        return unknown
+    return dot(stretch.base.tangent, (place - stretch.base.z) / stretch.frame.scale)
