@@ -18,6 +18,7 @@ from contin.kernels.boundary_march import Conditions, new_conditions
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.mesh.layout import Profile, at_places, of_one_mesh, profile_of, sizes_of, trimmed
+from contin.problems.surfaces.of_parameters import choices_of
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
 LONGEST_CHUNK = 300
@@ -150,6 +151,13 @@ class BoundaryEquations(Problem):
 
     def constants(self) -> dict[str, float]:
         return dict(zip(self.two.parameters, self.base.tolist(), strict=True))
+
+    @property
+    def formulas(self) -> object:
+        return self.two.model
+
+    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+        return choices_of(self, z)
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         return self.two.model.parameter_range(parameter, self.constants())

@@ -327,6 +327,16 @@ class Problem(ABC):
         """The end that a branch was near whose corrector fails, from its last points; None where there is no sign."""
         return None
 
+    @property
+    def formulas(self) -> object:
+        """The model of formulas that is solved; None of users' functions."""
+        return None
+
+    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+        """Functions of the parameters alone whose signs choose formulas: texts 'h = 0' of k, and values (K, k) at rows
+        z (K, N)."""
+        return (), np.empty((len(z), 0))
+
     def separated(self, a: Array, b: Array) -> bool:
         """True where the equations jump somewhere between a and b: no branch leads across."""
         return False

@@ -20,6 +20,7 @@ from contin.continuation.ends.asked import until_asked
 from contin.continuation.ends.closed import until_closed
 from contin.continuation.ends.domain import above_floors
 from contin.continuation.ends.halved import until_halved
+from contin.continuation.ends.jumping import until_jump
 from contin.continuation.ends.reach import within_reach
 from contin.continuation.ends.repeating import until_repeating
 from contin.continuation.ends.retracing import until_retracing
@@ -141,7 +142,8 @@ def _position(seed: Seed, segments: list[Segment]) -> str:
 
 def followed(arm: Arm, start: Array) -> Iterator[Segment]:
     """The segments of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
-    inside = within_reach(arm.problem, above_floors(arm.problem, until_asked(arm.segments(), arm), arm, start), arm)
+    smooth = until_asked(until_jump(arm.segments(), arm, start), arm)
+    inside = within_reach(arm.problem, above_floors(arm.problem, smooth, arm, start), arm)
     inside = until_halved(inside, arm)
     whole = until_closed(until_lost(inside, arm, start), arm, start)
     return until_standing(until_retracing(until_repeating(whole, arm), arm), arm)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.problem import Problem
+from contin.problems.surfaces.of_parameters import choices_of
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -27,3 +29,10 @@ class ProblemOfSystem(Problem):
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         """The model's own range of a parameter, at the present parameter values."""
         return self.system.model.parameter_range(parameter, self.constants())
+
+    @property
+    def formulas(self) -> object:
+        return self.system.model
+
+    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+        return choices_of(self, z)

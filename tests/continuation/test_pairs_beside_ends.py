@@ -35,7 +35,8 @@ def test_both_of_a_pair(kind, e, far, at):
     branch = api.continuation(api.equilibrium(model), "p", bounds)
     found = [point for point in branch.points if point.type == type_]
     if len(found) < 2:  # nearer to each other than rounding lets signs be told
-        assert e < 1e-5 and branch.notes
+        assert e < 1e-5
+        assert branch.notes
         return
     assert [point.type for point in branch.points] == [type_] * 2
     for point, exact in zip(found, (-e, e), strict=True):

@@ -14,6 +14,7 @@ from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.elimination import Augmented, Scalars, first_rows, null_space, orthonormal
+from contin.problems.surfaces.of_parameters import choices_of
 
 Bounds = tuple[float, float]
 TURNS = 2  # tests of the curve itself, where a parameter turns or a branch crosses: nothing of the points on it
@@ -121,6 +122,13 @@ class CurveEquations(Problem):
 
     def constants(self) -> dict[str, float]:
         return self.base.constants()
+
+    @property
+    def formulas(self) -> object:
+        return self.base.problem.formulas
+
+    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+        return choices_of(self, z)
 
     def default_range(self, parameter: str) -> Bounds | None:
         return self.base.default_range(parameter)

@@ -27,6 +27,7 @@ from contin.errors import InputError
 from contin.problems.conditioned.conditioned_equations import ConditionedEquations
 from contin.problems.conditioned.intersection import Intersection
 from contin.problems.conditioned.zero_along import zero_along
+from contin.problems.surfaces.of_parameters import choices_of
 
 TURN: Final = "turn"  # a fold of the conditioned curve, until it is labelled LP
 CURVE_BP: Final = "crossing"
@@ -69,6 +70,13 @@ class Conditioned(ConditionedEquations):
     def constants(self) -> dict[str, float]:
         found: dict[str, float] = self.inner.constants()
         return found
+
+    @property
+    def formulas(self) -> object:
+        return self.inner.formulas
+
+    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+        return choices_of(self, z)
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         found: tuple[float, float] | None = self.inner.default_range(parameter)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -41,6 +42,13 @@ class OfFixedPoints(Problem):
 
     def constants(self) -> dict[str, float]:
         return self.inner.constants()
+
+    @property
+    def formulas(self) -> object:
+        return self.inner.formulas
+
+    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+        return self.inner.choices(z)
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         return self.inner.default_range(parameter)

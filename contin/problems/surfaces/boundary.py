@@ -17,9 +17,6 @@ from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, by_steps, solution
-from contin.lowering.system import CompiledSystem
-from contin.model.expression import symbols_in
-from contin.model.printing import to_text
 from contin.problems.surfaces.jumps import Jump, jumps_of
 from contin.problems.surfaces.sides import between, side_of
 
@@ -113,7 +110,7 @@ def foretold(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renew
     """The end of a branch whose next step would cross a surface of discontinuity; None where there is none ahead."""
     found = [m for m in _meetings(problem, origin, frame) if _is_reached(problem, m, origin, frame)]
     if not found:
-        return _tangent_fields(problem, origin, frame) or _jump_of_parameter(problem, origin, frame)
+        return _tangent_fields(problem, origin, frame)
     first = min(found, key=lambda m: m.distance)
     point = _verified(problem, first)
     together = _met_with(problem, first, frame)
@@ -128,30 +125,6 @@ def foretold(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renew
     text += "equations jump" if problem.sliding is None else "equations jump, and the motion slides no further"
     data = {"surface": " and ".join(names), "at": {name: float(first.z[-1])}}
     return Renewal(frame.scale, origin, None, None, End("surface", text, data), None, point)
-
-
-def _jump_of_parameter(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renewal | None:
-    """The end of a branch before a value of the parameter at which the equations jump, wherever the states are."""
-    system, n = problem.system, problem.n
-    if not isinstance(system, CompiledSystem) or not system.n_switches or problem.sliding is not None:
-        return None
-    states = frozenset(system.state_names)
-    sense = float(np.sign(origin.tangent[-1]))
-    before = system.switches(origin.z[:n], problem.full_parameters(origin.z))
-    for length in AHEAD:
-        z = origin.z.copy()
-        z[-1] += sense * length * frame.scale[-1]
-        after = system.switches(z[:n], problem.full_parameters(z))
-        for k in np.flatnonzero(before * after < 0.0):
-            function = system.switching[int(k)]
-            if states & set(symbols_in([function])):
-                continue
-            at = float(origin.z[-1] + (z[-1] - origin.z[-1]) * before[k] / (before[k] - after[k]))
-            name, surface = problem.parameters[0], f"{to_text(function)} = 0"
-            text = f"at {name} = {at:.10g}, the equations jump at {surface}, whatever the states are"
-            data = {"surface": surface, "at": {name: at}}
-            return Renewal(frame.scale, origin, None, None, End("surface", text, data))
-    return None
 
 
 def _tangent_fields(problem: AlgebraicEquations, origin: Sample, frame: Frame) -> Renewal | None:

@@ -1,0 +1,82 @@
+"""Equations that jump at a value of a parameter: every kind of branch ends there, however small the jump is."""
+
+import pytest
+
+import contin
+from contin import api
+
+SIZES = [1e-1, 1e-3, 1e-6]
+
+
+def jump(size, at="p - 0.5"):
+    return f"{size}*heaviside({at})"
+
+
+def assert_ends_at(branch, value, name="p", surface="p - 0.5 = 0"):
+    end = branch.ends[1]
+    assert end.reason == "surface"
+    assert surface in end.text
+    assert end.data["at"]["p"] == pytest.approx(branch.columns["p"][-1], abs=1e-8)
+    assert branch.columns[name][-1] == pytest.approx(value, abs=1e-8)
+    assert branch.columns[name].max() <= value
+    assert branch.notes == ()
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", ["flow", "map", "algebraic"])
+def test_points(kind, size):
+    formula = f"0.5*x + 0.5*p + {jump(size)}" if kind == "map" else f"p - x + {jump(size)}"
+    options = {} if kind == "flow" else {"kind": kind}
+    model = contin.Model("jump", states={"x": 0.1}, parameters={"p": 0.1}, equations={"x": formula}, **options)
+    branch = api.continuation(api.equilibrium(model), "p", (0.1, 1.0))
+    assert_ends_at(branch, 0.5)
+    assert branch.columns["x"][-1] == pytest.approx(0.5, abs=1e-8)  # the limit from the side that it comes from
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
+def test_cycles(method, size):
+    rate = f"(3 + {jump(size)})"
+    model = contin.Model(
+        "cycle", states={"x": 1, "y": 0}, parameters={"p": 0.1},
+        equations={"x": f"x*(1 - x^2 - y^2) - {rate}*y", "y": f"{rate}*x + y*(1 + p - x^2 - y^2)"},
+    )  # fmt: skip
+    start = api.periodic_orbit(model, period=2.1, transient=20, method=method)
+    assert_ends_at(api.continuation(start, "p", (0.1, 1.0)), 0.5)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("where", ["equation", "condition"])
+def test_boundary_values(where, size):
+    inner, outer = (jump(size), "0") if where == "equation" else ("0", jump(size))
+    model = contin.Model(
+        "between", kind="bvp", time={"name": "t", "from": 0, "to": 1}, states={"u": 0, "v": 0}, parameters={"p": 0.1},
+        equations={"u": "v", "v": f"-p*exp(u) + {inner}"}, conditions=[f"u(start) = {outer}", "u(end) = 0"],
+    )  # fmt: skip
+    assert_ends_at(api.continuation(api.boundary_problem(model), "p", (0.1, 1.0)), 0.5)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_curves_in_two_parameters(size):
+    """Folds of p + (1 + q) x - x^3, p = 2 ((1 + q)/3)^(3/2) on one side of q = 1/2."""
+    model = contin.Model(
+        "curve", states={"x": -1}, parameters={"p": -0.9, "q": 0.1},
+        equations={"x": f"p + (1 + q)*x - x^3 + {jump(size, 'q - 0.5')}"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "p", (-2, 2))
+    curve = api.continuation(line["LP1"].locus(), ["p", "q"], {"p": (-3, 3), "q": (0, 1)})
+    assert_ends_at(curve, 0.5, "q", "q - 0.5 = 0")
+    assert abs(curve.columns["p"][-1]) == pytest.approx(2 * 0.5**1.5, abs=1e-8)
+
+
+ROOT = "p - x + 0.1*heaviside(p - 0.5)*abs(p - 0.5)^0.5"
+
+
+@pytest.mark.parametrize("formula", ["p - x + abs(p - 0.5)", ROOT, "-x*(x - 2*heaviside(p - 0.5) - 3)"])
+def test_a_corner_or_a_jump_elsewhere_is_passed(formula):
+    """The last: from x = 0, which solves the equation on both sides."""
+    start = 0.0 if "x*(" in formula else 0.1
+    model = contin.Model("corner", states={"x": start}, parameters={"p": 0.1}, equations={"x": formula})
+    branch = api.continuation(api.equilibrium(model), "p", (0.1, 1.0))
+    assert branch.ends[1].reason == "bound"
+    assert branch.columns["p"][-1] == 1.0
