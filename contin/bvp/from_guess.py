@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.defects import resolving
+from contin.bvp.kernel_at_branch_point import undetermined
 from contin.bvp.sizes import largest
 from contin.bvp.special_points import at_parameter_from_afar
 from contin.bvp.two_point import TwoPoint, two_point
@@ -108,6 +109,17 @@ def boundary_guess(
     return BoundaryGuess(model, times, states, p, tuple(free), samples is not None)
 
 
+def _advice(problem: BoundaryProblem, z: Array) -> str:
+    """What to try where no solution was found from the guess z."""
+    loose = undetermined(problem, z)
+    if loose:
+        return f"{loose} Conditions may depend on each other."
+    return (
+        f"Start from formulas in {_time(problem)} closer to the solution, or at another parameter value. "
+        f"{problem.trouble(z)}"
+    )
+
+
 def solved(problem: BoundaryProblem, guess: Profile) -> Array:
     """z of the solution next to a guess, the mesh adapted until it resolves it."""
     profile = guess
@@ -121,8 +133,7 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
         if found is None:
             raise NoSolutionError(
                 f"no solution of {problem.two.model.name} found from the start at {problem.parameters[0]} = "
-                f"{profile.parameter:.10g}: Newton's method does not converge. Start from formulas in "
-                f"{_time(problem)} closer to the solution, or at another parameter value. {problem.trouble(z)}"
+                f"{profile.parameter:.10g}: Newton's method does not converge. {_advice(problem, z)}"
             )
         profile = _without_rounding(problem.profile(found), sizes)
         found = profile.vector()

@@ -22,6 +22,8 @@ from contin.bvp.on_mesh import OnMesh
 from contin.records import Fields
 
 NOISE: Final = 1e-8  # of the largest part of a null vector, in the rows' own units: more is not known of the others
+SAFETY: Final = 2.0  # of what a coefficient changes by on a finer mesh
+ODD: Final = ("a01", "a02", "b20")  # coefficients that change their sign with q, whose sense is a matter of the mesh
 TRUST: Final = 1e-7  # of the sum of a coefficient's terms, in which collocation has errors of its own
 
 
@@ -101,6 +103,16 @@ def branch_point(mesh: OnMesh, x: Array, q: Array, sizes: Array) -> Fields:
         return {"kind": "degenerate", **form}
     kind = "transcritical" if discriminant > 0.0 else "isolated"
     return {"kind": "pitchfork" if flat else kind, **form}
+
+
+def moved_by_mesh(form: Fields, finer: Fields) -> Fields:
+    """`errors` of the coefficients by what they change on a finer mesh; nothing where one of both has none."""
+    names = [name for name, value in form.items() if isinstance(value, float) and name in finer]
+    changes = []
+    for sense in (1.0, -1.0):
+        pairs = {name: (float(form[name]), float(finer[name]) * (sense if name in ODD else 1.0)) for name in names}
+        changes.append({name: SAFETY * abs(there - here) for name, (here, there) in pairs.items()})
+    return {"errors": min(changes, key=lambda change: sum(change.values()))} if names else {}
 
 
 def _factor(discriminant: float, b11: float, terms: float) -> float:

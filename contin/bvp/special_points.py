@@ -81,13 +81,17 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     apart = imperfection((mesh, x, found.left), (OnMesh(problem, other.h), other.x, other.left), sizes)
     if apart > 0.0:
         return unverified(type_, f"two branches pass each other there at a distance (equations met to {apart:.1e})")
+    finer = OnMesh(problem, other.h)
+    finer_sizes = finer.unknowns(make_scale(other.h, problem.points, sizes, 1.0, float(frame.scale[-1])))[:-1]
     moved = abs(float(other.x[-1] - x[-1]))
     error = scatter + ORDER * moved + ROUNDING * abs(float(x[-1]))
     if type_ == "LP":
         form = normal_forms.fold(mesh, x, found.direction, local.scale[:-1])
+        form |= normal_forms.moved_by_mesh(form, normal_forms.fold(finer, other.x, other.direction, finer_sizes))
         return Verified(type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, {})
     small = smallest(mesh, x)
-    form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale)
+    fine = normal_forms.branch_point(finer, other.x, other.direction, finer_sizes)
+    form = form_of_branch_point(mesh, x, small, scatter + moved, local.scale, fine)
     crowded = nearly_null(mesh, x, small).shape[1] > 1
     known: Fields = {"kernel": 1, "free": free_function(mesh, x, small, local.scale[:-1])}
     jet = None
@@ -236,9 +240,12 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
     return Found(x, residual, q, scatter, mesh.h, reduced.column)
 
 
-def form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array) -> Fields:
+def form_of_branch_point(
+    mesh: OnMesh, x: Array, small: SmallestValues, error: float, scale: Array, finer: Fields | None = None
+) -> Fields:  # fmt: skip
     """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
 
+    finer : that on a finer mesh, where errors are to hold the mesh's own.
     Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
     dimension there are no coefficients of one direction.
     """
@@ -252,6 +259,8 @@ def form_of_branch_point(mesh: OnMesh, x: Array, small: SmallestValues, error: f
     other = normal_forms.branch_point(mesh, moved, q, sizes)
     numbers = [name for name, value in form.items() if isinstance(value, float) and name in other]
     errors = {name: abs(float(form[name]) - float(other[name])) for name in numbers}
+    by_mesh: Fields = {} if finer is None else normal_forms.moved_by_mesh(form, finer)
+    errors |= {name: errors[name] + off for name, off in by_mesh.get("errors", {}).items() if name in errors}
     found = {name: value for name, value in form.items() if name != "criticality"} | {"errors": errors}
     if form["kind"] == "transcritical" and abs(float(form["b20"])) <= WITHIN * errors["b20"]:
         found["kind"] = "pitchfork"

@@ -57,6 +57,11 @@ def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str], orbit
     """
     point = as_computed(point)
     problem = point.problem if isinstance(problem, StoredProblem) else problem
+    if point.type == "LP" and point.normal_form.get("of") == "curve":
+        raise InputError(
+            f"{point.branch}.{point.label} is a fold of the curve of solutions that meet the conditions, and none at "
+            "fixed parameters: curves of such points are not followed"
+        )
     count = max(2, len(parameters))  # one is too few, as whoever is asked for two says
     rows = at_point(problem, point.type, count)
     if not rows:

@@ -336,7 +336,7 @@ def test_a_branch_point_takes_a_dozen_factorisations(monkeypatch):
     monkeypatch.setattr(Balanced, "of", of)
     line = follow(SINE, "q", (0.5, 3.5), direction="up")
     assert len(line.points) == 3
-    assert len(counted) <= 36  # 32 measured; 85 when each step solved for the curve anew
+    assert len(counted) <= 40  # 37 measured, 5 of them for errors; 85 when each step solved for the curve anew
 
 
 def test_user_values_and_extrema_have_the_error_of_the_mesh():

@@ -279,9 +279,20 @@ def test_a_branch_ends_where_an_eigenvalue_passes_through_infinity():
     )  # fmt: skip
     line = contin.continuation(contin.equilibrium(model), "p", (-4, 4))  # z = 0 at x = p = -1
     assert [p.type for p in line.points] == ["LP"]
-    assert line.ends[0].data["at"]["p"] == pytest.approx(-1.0, abs=1e-5)
+    assert abs(line.ends[0].data["at"]["p"] + 1.0) <= line.ends[0].data["error"] < 1e-3
     assert "singularity-induced" in line.ends[0].text
     assert line.unexplained == 0
+
+
+def test_where_the_index_rises_is_stated_with_its_error():
+    """z = p, and 1 - z^2 = 0: at 1, beside which the tangent of the last row is off by a fifth, and at -1."""
+    model = contin.Model(
+        name="cubic", states={"x": -0.458, "z": 0.5}, parameters={"p": 0.5}, mass={"z": 0},
+        equations={"x": "p - z", "z": "x - z^3/3 + z"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "p", (-2, 3))
+    for end, exact in zip(line.ends, (-1.0, 1.0), strict=True):
+        assert abs(end.data["at"]["p"] - exact) <= end.data["error"] < 1e-3
 
 
 @pytest.mark.parametrize(("equations", "named"), [

@@ -35,6 +35,8 @@ TEST_OF: Final = {  # the test whose zero a labelled point is
     "LP": "zero", "BP": "zero", "LPC": "zero", "BPC": "zero", "HB": "pair", "NS": "pair", "PD": "flip",
 }  # fmt: skip
 TOLERANCE: Final = 1e-11
+ZERO: Final = 2  # place of the test of an eigenvalue 0 (multiplier 1) among all
+TOUCHING: Final = 1e-6  # of it: it may be zero there, without another sign beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,13 +162,19 @@ class Conditioned(ConditionedEquations):
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         if type_ == TURN:
             return self._turn(near, frame)
-        if type_ == CURVE_BP:
-            return Rejected("a branch point of the curve of conditioned solutions alone, not labelled")
+        if type_ == CURVE_BP:  # where a stability only touches zero: the top of a pitchfork's side branch
+            point = self._of_test("zero", near, frame, {CURVE_BP})
+            words = "a branch point of the curve of conditioned solutions alone, not labelled"
+            return point if isinstance(point, Verified) else Rejected(words)
         return self._of_test(type_, near, frame, ())
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         crossed = [name for name, x in zip((TURN, CURVE_BP, *self.TESTS), a.tests * b.tests, strict=True) if x < 0.0]
         found: list[Outcome] = []
+        if CURVE_BP in crossed and "zero" not in crossed:
+            found.append(self.verify(CURVE_BP, a, frame))
+            done = (CURVE_BP, TURN) if isinstance(found[0], Verified) else (CURVE_BP,)
+            crossed = [name for name in crossed if name not in done]
         for name in crossed:
             if name in (TURN, CURVE_BP) and "zero" in crossed:
                 continue
@@ -202,6 +210,10 @@ class Conditioned(ConditionedEquations):
             if again is None:
                 return unverified("LP", "it is not there on a mesh of twice as many intervals")
             error += 1.25 * abs(float(again[0].z[-1] - sample.z[-1]))
+        if abs(float(sample.tests[ZERO])) < TOUCHING:
+            point = self._of_test("zero", sample, frame, {CURVE_BP})
+            if isinstance(point, Verified):  # the curve turns since the branch does, at a branch point
+                return point
         form = {"of": "curve", "parameter": self.parameters[0]}
         remark = "LP: a fold of the curve of solutions that meet the conditions, not of solutions at fixed parameters"
         return Verified("LP", sample.z, abs(left), error, sample.eigenvalues, sample.unstable, form, {}, remark=remark)

@@ -25,7 +25,9 @@ NEAR: Final = 1e-4  # scaled length of a step across the singularity from which 
 NEAR_MASSLESS: Final = 1e-7  # the same, of a vanishing mass: nothing but rates grow there
 SHORTER: Final = 8.0
 AHEAD: Final = 4.0  # in units of NEAR: where the singularity is looked for
-ITERATIONS: Final = 6
+ITERATIONS: Final = 3
+CLOSER: Final = 0.5  # part of the way that is left: what is solved for next to the singularity is rounding
+ROUNDED: Final = 1e-13  # of a parameter that is extrapolated
 
 Probe = Callable[[Sample, float], Sample | None]
 
@@ -104,22 +106,38 @@ def end_at_pole(
     """
     if not isinstance(system, CompiledSystem) or system.constraints is None:
         return None
-    a, b = 0.0, AHEAD * NEAR
-    da, zb = determinant(origin.z), origin.z + b * frame.scale * origin.tangent
-    db, za = determinant(zb), origin.z
-    if not da * db < 0.0:
+    b = AHEAD * NEAR
+    zb = origin.z + b * frame.scale * origin.tangent
+    here, there = determinant(origin.z), determinant(zb)
+    if not here * there < 0.0:
         return None
-    for _ in range(ITERATIONS):  # a secant with points of the branch on either side
-        s = a - da * (b - a) / (db - da)
-        found = probe(origin, s)
-        if found is None or s in (a, b):
+    lengths, values, parameters = [0.0], [here], [float(origin.z[-1])]
+    zero = b * here / (here - there)
+    for _ in range(ITERATIONS):
+        found = probe(origin, lengths[-1] + CLOSER * (zero - lengths[-1]))
+        if found is None:  # too close to it to be solved for
             break
-        value = determinant(found.z)
-        if value * da > 0.0:
-            a, da, za = s, value, found.z
-        else:
-            b, db, zb = s, value, found.z
-    share = da / (da - db)
-    at = float((1.0 - share) * za[-1] + share * zb[-1])
-    text = POLE.format(", ".join(system.constraints.equations))
-    return Renewal(frame.scale, origin, None, None, End("bound", f"at {name} = {at:.6g}, {text}", {"at": {name: at}}))
+        lengths.append(lengths[-1] + CLOSER * (zero - lengths[-1]))
+        values.append(determinant(found.z))
+        parameters.append(float(found.z[-1]))
+        if not values[-1] * values[-2] > 0.0 or values[-1] == values[-2]:
+            break
+        zero = lengths[-1] - values[-1] * (lengths[-1] - lengths[-2]) / (values[-1] - values[-2])
+    at, error = _where_zero(np.array(values), np.array(parameters))
+    if len(values) == 1:
+        at = float(origin.z[-1] + zero * frame.scale[-1] * origin.tangent[-1])
+        error = abs(at - float(origin.z[-1]))
+    text = f"at {name} = {at:.10g} +- {error:.1e}, {POLE.format(', '.join(system.constraints.equations))}"
+    return Renewal(frame.scale, origin, None, None, End("bound", text, {"at": {name: at}, "error": error}))
+
+
+def _where_zero(values: Array, parameters: Array) -> tuple[float, float]:
+    """The parameter where a value vanishes, by the polynomial through all of them (Neville), and its error.
+
+    The error is what the two farthest points change: those next to the singularity are solved to no more than rounding.
+    """
+    column, known = parameters.copy(), [float(parameters[-1])]
+    for k in range(1, len(values)):
+        column = (values[k:] * column[:-1] - values[:-k] * column[1:]) / (values[k:] - values[:-k])
+        known.append(float(column[-1]))
+    return known[-1], 2.0 * float(np.sum(np.abs(np.diff(known[-3:])))) + ROUNDED * abs(known[-1])

@@ -243,7 +243,8 @@ def _rate(model: Model, split: Split, drift: Sequence[Expression]) -> float:
             name = model.state_names[j]
             h = STEP * max(abs(values[name]), STEP)
             ends = [evaluate_all(drift, values | {name: values[name] + side * h}) for side in (1.0, -1.0)]
-            rows.append((np.array(ends[0], dtype=float) - np.array(ends[1], dtype=float)) / (2.0 * h))
+            with np.errstate(invalid="ignore"):  # next to a singularity there are no rates: another place is taken
+                rows.append((np.array(ends[0], dtype=float) - np.array(ends[1], dtype=float)) / (2.0 * h))
         if rows and np.all(np.isfinite(rows)):
             largest = float(np.abs(np.linalg.eigvals(np.array(rows))).max())
             if largest > 0.0 and isfinite(largest):

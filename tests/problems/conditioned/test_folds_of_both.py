@@ -1,6 +1,9 @@
 """Folds that depend on no free parameter: there the curve of conditioned solutions turns at the same place."""
 
+import pytest
+
 import contin
+from contin.errors import InputError
 
 
 def test_of_cycles():
@@ -31,3 +34,30 @@ def test_of_equilibria():
         assert [p.type for p in found.points] == types
         last = found.points[-1].values
         assert abs(last["p"] + (0.1 * last["q"] if types[-1] == "BP" else 0.0)) <= 1e-12
+
+
+@pytest.mark.long
+def test_the_top_of_a_side_branch_where_stability_only_touches_zero():
+    """z = 0 and z^2 = mu - 3/2 on the circle r^2 = mu: the curve turns since the side branch does, in a BPC."""
+    rate = "(mu - x^2 - y^2)"
+    model = contin.Model(
+        name="side", states={"x": 1.3, "y": 0, "z": 0.4}, parameters={"mu": 1.66, "om": 1},
+        equations={"x": f"x*{rate} - (om + mu/3)*y", "y": f"y*{rate} + (om + mu/3)*x", "z": "(mu - 1.5)*z - z^3"},
+    )  # fmt: skip
+    start = contin.periodic_orbit(model, {"x": 1.3, "y": 0, "z": 0.4})
+    found = contin.continuation(start, "mu", (1.3, 1.7), conditions=["period = 4"], free=["om"])
+    assert [p.type for p in found.points] == ["BPC"]
+    assert abs(found["BPC1"].values["mu"] - 1.5) <= max(found["BPC1"].error, 1e-13)
+
+
+def test_a_fold_of_the_curve_alone_has_no_curve_of_folds():
+    """p = x^2 - x/10 turns at x = .05; a curve of folds at fixed q, which begin at x = 0, was followed from there."""
+    model = contin.Model(
+        name="e", states={"x": 1}, parameters={"p": 1, "q": 0, "r": 0}, equations={"x": "p + q - x^2 + r*x"}
+    )
+    start = contin.equilibrium(model, {"x": 1})
+    found = contin.continuation(start, "p", (-1, 2), conditions=["q = 0.1*x"], free=["q"])
+    fold = next(p for p in found.points if p.normal_form.get("of") == "curve")
+    assert fold.values["p"] == pytest.approx(-0.0025)
+    with pytest.raises(InputError, match="a fold of the curve of solutions that meet the conditions"):
+        fold.locus(("p", "r"))
