@@ -5,7 +5,7 @@ import pytest
 import contin
 from contin import api
 
-SIZES = [(1e-2, 1.5), (1e-3, 1.5), (1e-3, 10.0), (1e-4, 1.5), (1e-6, 10.0)]  # half the pair's distance, bound / that
+SIZES = [(1e-3, 1.5), (1e-4, 10.0), (1e-6, 10.0)]  # half the pair's distance, bound / that
 PAIR = "(p - {e})*(p + {e})"  # critical values change their sides at p = -e and e
 
 
@@ -34,10 +34,6 @@ def test_both_of_a_pair(kind, e, far, at):
     model, type_ = of_kind(kind, e, start)
     branch = api.continuation(api.equilibrium(model), "p", bounds)
     found = [point for point in branch.points if point.type == type_]
-    if len(found) < 2:  # nearer to each other than rounding lets signs be told
-        assert e < 1e-5
-        assert branch.notes
-        return
     assert [point.type for point in branch.points] == [type_] * 2
     for point, exact in zip(found, (-e, e), strict=True):
         assert abs(point.values["p"] - exact) <= max(point.error, 1e-15)
