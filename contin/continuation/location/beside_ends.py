@@ -8,6 +8,7 @@ end is dropped. Nothing is looked for where the equations have no value beyond.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -20,22 +21,29 @@ from contin.continuation.sample import Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
 
+WITHIN: Final = (0.02, 0.1, 0.25, 0.5, 0.75)  # parts of the first step
 AHEAD: Final = 0.5  # cosine of the tangents at a point beyond an end and at the last row
 EXACT: Final = ("equilibrium", "fixed-point", "algebraic")  # kinds that are looked at beyond a bound for little
 
 
 def after_start(stretch: Stretch, first: Sample) -> Iterator[Found | Note]:
-    """What lies between the start (`stretch.base`) and the first row behind a test that is low at the start."""
+    """What lies between the start (`stretch.base`) and the first row behind a test that is low at the start.
+
+    No row before the start has made the first step shorter where a test changes fast: points within it are looked at.
+    """
     start = stretch.base
-    if not _may_dip(start, first):
+    if _changes(start, first) or not _may_dip(start, first):
         return
     beyond = _on_from(stretch, start, -stretch.distance(start, first))
-    if beyond is None:
-        return
-    for test in dips(stretch, beyond, start, first):
-        for item in resolve_dip(stretch, beyond, start, first, test):
-            if _length(stretch, item, 0.0) >= 0.0:
-                yield item
+    points = [s for s in (beyond, start, *stretch.several(start, first, WITHIN), first) if s is not None]
+    found: list[Found | Note] = []
+    for low, here, high in zip(points, points[1:], points[2:], strict=False):
+        for test in dips(stretch, low, here, high):
+            found += resolve_dip(stretch, low, here, high, test)
+    for low, high in pairwise(points if beyond is None else points[1:]):
+        if _changes(low, high):
+            found += isolate(stretch, low, high)
+    yield from (item for item in found if _length(stretch, item, 0.0) >= 0.0)
 
 
 def before_end(stretch: Stretch, earlier: Sample | None, last: Sample, marched: Sample) -> Iterator[Found | Note]:
