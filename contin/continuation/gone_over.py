@@ -20,12 +20,13 @@ from contin.abi import Array
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 from contin.continuation.singular_between import singular_between
-from contin.continuation.unexplained_steps import NEXT, ROUNDED, VANISHED, suspicious
+from contin.continuation.unexplained_steps import NEXT, ROUNDED, VANISHED, Lengths, suspicious
 from contin.continuation.way_back import APART, ASIDE, CLEAR, LED, LEFT, MET, RETURNED, Answer, followed, way_back
 
 SOLVED: Final = 1e-8  # scaled: what the corrector leaves in rows
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs a few times `PARTS` solutions
 BLOCK: Final = 1_000_000  # numbers that are looked at at once
+SOME: Final = 4096  # unknowns that are looked at at once, in the memory next to the processor
 
 
 def gone_over(
@@ -89,9 +90,13 @@ def _suspicious(
     for first in range(0, len(rows) - 1, block):
         part = rows[first : first + block + NEXT]
         y, t = z[part] / scale, tangents[part] / scale
-        strange = suspicious(y, t, noise)[:block]
-        strange[:, :-1] *= angle_periods == 0.0
-        found[first : first + len(strange)] = strange[:, :-1].max(axis=1, initial=0.0)
+        whole, count = Lengths.of(y, t), min(block, len(part) - 1)
+        here = found[first : first + count]
+        for left in range(0, len(angle_periods), SOME):
+            some = slice(left, min(left + SOME, len(angle_periods)))
+            strange = suspicious(y[:, some], t[:, some], noise, whole=whole)[:count]
+            strange *= angle_periods[some] == 0.0
+            np.maximum(here, strange.max(axis=1, initial=0.0), out=here)
     return found
 
 

@@ -6,11 +6,15 @@ Of resolved steps a thousandth of a change is not explained, of those to another
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.linalg.vectors import norm
 
 UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
 STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
@@ -19,27 +23,50 @@ ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the r
 NEXT: Final = 3  # rows: one or two that the corrector leaves between two branches are none of either
 
 
-def suspicious(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array] = np.abs) -> Array:
+@dataclass(frozen=True, eq=False)
+class Lengths:
+    """Of rows y with tangents t as a whole, where some of their unknowns are looked at."""
+
+    tangents: Array  # (K,)
+    steps: Array  # (K - 1,) to the next row, ...
+    ways: Array  # ... and to the one that a few steps lead to
+    slopes: Array  # (K,) of the parameter
+
+    @classmethod
+    def of(cls, y: Array, t: Array) -> Lengths:
+        ways = np.array([norm(y[far] - y[k]) for k, far in enumerate(_ahead(len(y)).tolist())])
+        steps = np.array([norm(b - a) for a, b in pairwise(y)])
+        return cls(np.array([norm(row) for row in t]), steps, ways, t[:, -1:].copy())
+
+
+def _ahead(rows: int) -> NDArray[np.intp]:
+    return np.minimum(np.arange(rows - 1) + NEXT, rows - 1)
+
+
+def suspicious(
+    y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array] = np.abs, whole: Lengths | None = None
+) -> Array:
     """(K - 1, k), of rows y with tangents t: which part of a step is not what slopes lead to, 0 where it may pass.
 
     noise : what is not known of rows, or (K - 1, 1) of steps.
     alone : lengths (K, k) of what is asked by itself, of values (K, N): each unknown, or each function.
+    whole : where y and t are a part of all unknowns.
     """
-    far = np.minimum(np.arange(len(y) - 1) + NEXT, len(y) - 1)
-    return np.maximum(_unexplained(y, t, noise, alone), _vanishing(y[:-1], y[far], t[:-1], t[far], noise, alone))
+    far, whole = _ahead(len(y)), whole or Lengths.of(y, t)
+    return np.maximum(_unexplained(y, t, noise, alone, whole), _vanishing(y, t, far, noise, alone, whole))
 
 
-def _unexplained(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array]) -> Array:
+def _unexplained(y: Array, t: Array, noise: float | Array, alone: Callable[[Array], Array], whole: Lengths) -> Array:
     """Where the parameter goes one way, and an unknown not as its slopes say."""
-    t = t / np.linalg.norm(t, axis=1)[:, None]
+    t = t / whole.tangents[:, None]
     step, slopes = y[1:] - y[:-1], alone(t)
-    h, moved, steep = np.linalg.norm(step, axis=1)[:, None], alone(step), np.maximum(slopes[1:], slopes[:-1])
+    h, moved, steep = whole.steps[:, None], alone(step), np.maximum(slopes[1:], slopes[:-1])
     apart = _part(alone(step - 0.5 * h * (t[1:] + t[:-1])), np.maximum(steep * h, moved), UNEXPLAINED)
     bend = (t[1:] - t[:-1]) / np.where(h > 0.0, h, 1.0)
     if len(bend) > 1:
         turned = _part(alone(bend[1:] - bend[:-1]) * h[1:], steep[1:], STRAY)
         apart[1:] = np.maximum(apart[1:], UNEXPLAINED / STRAY * turned)
-    return np.asarray(apart * ((moved > noise) & (t[1:, -1:] * t[:-1, -1:] > 0.0)))
+    return np.asarray(apart * ((moved > noise) & (whole.slopes[1:] * whole.slopes[:-1] > 0.0)))
 
 
 def _part(left: Array, whole: Array, least: float) -> Array:
@@ -49,14 +76,15 @@ def _part(left: Array, whole: Array, least: float) -> Array:
 
 
 def _vanishing(
-    near: Array, far: Array, t_near: Array, t_far: Array, noise: float | Array, alone: Callable[[Array], Array]
+    y: Array, t: Array, ahead: NDArray[np.intp], noise: float | Array, alone: Callable[[Array], Array], whole: Lengths
 ) -> Array:  # fmt: skip
     """Of points and others a few rows on: where the slopes do not lead to how little is left, of unknowns or of slopes
     that would have changed them by more than noise."""
+    near, far, t_near, t_far = y[:-1], y[ahead], t[:-1], t[ahead]
     moved, before, steep, level = far - near, alone(near), alone(t_near), alone(t_far)
-    length = np.linalg.norm(moved, axis=1)[:, None]
+    length = whole.ways[:, None]
     left = np.maximum(alone(moved - length * t_far), alone(moved - 0.5 * length * (t_near + t_far)))
     little = _part(left, before, UNEXPLAINED) * ((alone(far) < VANISHED * before) & (before > ROUNDED))
     flat = _part(left, length * steep, UNEXPLAINED) * (level < VANISHED * steep)
-    flat *= (length * steep > noise) & (t_far[:, -1:] * t_near[:, -1:] > 0.0)
+    flat *= (length * steep > noise) & (whole.slopes[ahead] * whole.slopes[:-1] > 0.0)
     return np.maximum(little, flat)

@@ -14,7 +14,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from contin.abi import Vector
-from contin.linalg.vectors import combined, products
+from contin.linalg.vectors import plus_combined, products
 
 ROUNDING: Final = float(np.finfo(float).eps)
 
@@ -117,7 +117,10 @@ class ApproximateBordered:
         n = len(self.rows)
         x = self.inner.solve(right[:n])
         y = self.schur @ (right[n:] - products(self.rows, x))
-        return np.concatenate([x - combined(self.columns, y), y])
+        out = np.empty(n + len(y), np.result_type(x, y))
+        plus_combined(x, self.columns, -y, out)
+        out[n:] = y
+        return out
 
 
 def _inverse(matrix: Vector) -> Vector:

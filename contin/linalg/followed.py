@@ -21,6 +21,7 @@ from contin.abi import Array, Vector
 from contin.linalg.eigen import Spectrum
 from contin.linalg.linear import Linear
 from contin.linalg.orthonormal import orthonormal, outside
+from contin.linalg.ritz import RitzSpace
 from contin.linalg.vectors import inner, mixed, norm
 from contin.machine import elementary
 
@@ -46,25 +47,30 @@ def followed(
     applications of the operator, and as many of B, or one.
     """
     wanted = vectors.shape[1]
-    basis = orthonormal(_real_rows(vectors))
+    first = orthonormal(_real_rows(vectors))
+    space = RitzSpace.of(linear, first)
     if before is not None:
-        basis = np.vstack([basis, orthonormal(_real_rows(before), basis)])
-    images = np.array([linear.apply(v) for v in basis])
+        space.widen(_real_rows(before))
     longer, together = 1.0 / (1.0 - rate), symmetric
     for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1 + together):
-        values, ritz = _rightmost(basis, images, wanted, symmetric)
-        found = _combined(ritz, basis)
-        parts, of = _residuals(values, ritz, found, images)
-        asked = np.sum(parts, axis=0)[None, :] if together else np.array(parts)
-        raw = precondition(np.ascontiguousarray(asked.T)).T
-        wrong = _wrong(values, found, raw, None if together else of)
-        steps = outside(raw, basis)
+        values, ritz = space.rightmost(wanted, symmetric)
+        if together:
+            asked = space.sum_of_residuals(values, ritz)
+            raw = precondition(np.ascontiguousarray(asked.T)).T
+            along = np.abs(ritz @ inner(space.basis, np.ascontiguousarray(raw)))
+            wrong = float(along[_told(values)].max(initial=0.0))
+        else:
+            found = _combined(ritz, space.basis)
+            parts, of = _residuals(values, ritz, found, space.images)
+            raw = precondition(np.column_stack(parts)).T
+            wrong = _wrong(values, found, raw, of)
+        steps = outside(raw, space.basis)
         if longer * wrong <= SIGN and longer * max(norm(s) for s in steps) < ACCURACY:
             if symmetric:  # what the corrections say is still to be had: it makes all values better
-                basis, images = _wider(linear, basis, images, steps)
-                values, ritz = _rightmost(basis, images, wanted, symmetric)
-            return _nearest_first(values, ritz, basis)
-        basis, images = _wider(linear, basis, images, steps)
+                space.widen(steps)
+                values, ritz = space.rightmost(wanted, symmetric)
+            return _nearest_first(values, ritz, space.basis)
+        space.widen(steps)
         together = False
     return None
 
@@ -74,21 +80,18 @@ def improved(
 ) -> Spectrum:
     """Eigenvalues whose vectors lie in a space near the given ones', corrected until these are right to `ACCURACY`."""
     wanted = vectors.shape[1]
-    basis = orthonormal(_real_rows(vectors))
-    given = len(basis)
-    images = np.array([linear.apply(v) for v in basis])
-    values, ritz = _within(basis, images, given, wanted)
+    space = RitzSpace.of(linear, orthonormal(_real_rows(vectors)))
+    given = len(space.basis)
+    values, ritz = space.within(given, wanted)
     for _ in range(math.ceil(STEPS / abs(elementary.log(rate))) + 1):
-        parts, _ = _residuals(values, ritz, _combined(ritz, basis), images)
-        steps = outside(precondition(np.column_stack(parts)).T, basis)
-        size = len(basis)
-        basis, images = _wider(linear, basis, images, steps)
-        if len(basis) == size:
+        parts, _ = _residuals(values, ritz, _combined(ritz, space.basis), space.images)
+        steps = outside(precondition(np.column_stack(parts)).T, space.basis)
+        if not space.widen(steps):
             break
-        values, ritz = _within(basis, images, given, wanted)
+        values, ritz = space.within(given, wanted)
         if rate / (1.0 - rate) * max(norm(s) for s in steps) < ACCURACY:
             break
-    return _nearest_first(values, ritz, basis)
+    return _nearest_first(values, ritz, space.basis)
 
 
 def _nearest_first(values: Vector, ritz: Vector, basis: Array) -> Spectrum:
@@ -100,28 +103,6 @@ def _real_rows(vectors: NDArray[np.complex128]) -> Array:
     """Rows that span the same."""
     real = not np.iscomplexobj(vectors) or not vectors.imag.any()
     return np.ascontiguousarray(vectors.real.T if real else np.vstack([vectors.real.T, vectors.imag.T]))
-
-
-def _rightmost(basis: Array, images: Array, wanted: int, symmetric: bool) -> tuple[Vector, Vector]:
-    """Ritz values (wanted,) and their weights (wanted, len(basis)); where A is symmetric, double ones are no pair."""
-    values, ritz = (np.linalg.eigh if symmetric else np.linalg.eig)(inner(basis, images))
-    order = np.argsort(-values.real, kind="stable")[:wanted]
-    return values[order], ritz[:, order].T
-
-
-def _within(basis: Array, images: Array, given: int, wanted: int) -> tuple[Vector, Vector]:
-    """The same of those that lie most in the space of the first `given` rows."""
-    values, ritz = np.linalg.eig(inner(basis, images))
-    order = np.argsort(-np.linalg.norm(ritz[:given], axis=0), kind="stable")[:wanted]
-    return values[order], ritz[:, order].T
-
-
-def _wider(linear: Linear, basis: Array, images: Array, steps: Array) -> tuple[Array, Array]:
-    """The space with some more directions; as it is where there are none, or all vectors are in it."""
-    fresh = orthonormal(steps, basis) if len(basis) + len(steps) <= basis.shape[1] else basis[:0]
-    if not len(fresh):
-        return basis, images
-    return np.vstack([basis, fresh]), np.vstack([images, [linear.apply(v) for v in fresh]])
 
 
 def _residuals(values: Vector, ritz: Vector, found: Vector, images: Array) -> tuple[list[Array], list[int]]:
@@ -140,14 +121,18 @@ def _residuals(values: Vector, ritz: Vector, found: Vector, images: Array) -> tu
     return parts, of
 
 
-def _wrong(values: Vector, found: Vector, corrections: Array, of: list[int] | None) -> float:
-    """The largest part of a correction along its own vector, or (None) along any; vectors to zero are not asked."""
-    zero = ZERO * float(np.abs(values).max(initial=0.0))
-    worst = 0.0
-    for j, correction in enumerate(corrections):
-        for k in range(len(found)) if of is None else (of[j],):
-            if abs(values[k]) > zero:
-                worst = max(worst, abs(complex(np.einsum("i,i->", found[k].conj(), correction))))
+def _told(values: Vector) -> NDArray[np.bool_]:
+    """Which values are none of zero, whose vectors are not asked."""
+    modulus = np.abs(values)
+    return np.asarray(modulus > ZERO * float(modulus.max(initial=0.0)))
+
+
+def _wrong(values: Vector, found: Vector, corrections: Array, of: list[int]) -> float:
+    """The largest part of a correction along its own vector."""
+    told, worst = _told(values), 0.0
+    for k, correction in zip(of, corrections, strict=True):
+        if told[k]:
+            worst = max(worst, abs(complex(np.einsum("i,i->", found[k].conj(), correction))))
     return worst
 
 

@@ -15,14 +15,14 @@ from contin.linalg.bordered import Approximate, ApproximateBordered, Solver, bor
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, Accuracy, gmres
 from contin.linalg.tally import Tally
-from contin.linalg.vectors import combined, norm, products
+from contin.linalg.vectors import combined, norm, plus_combined, products
 from contin.machine import elementary
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
-SAME = 1e-2  # change of a column, as a part of it, up to which an approximate solution of it serves again
+SAME = 5e-2  # change of a column, as a part of it, up to which an approximate solution of it serves again
 TELLING = 3  # iterations from which they tell a rate
 ROUNDED = 1e-15  # relative residual below which rounding does not let it fall
 EPSILON = float(np.finfo(float).eps)
@@ -259,8 +259,11 @@ class KrylovBordered:
     def _apply(self, x: Vector) -> Vector:
         n = len(self.columns)
         state, rest = x[:n], x[n:]
-        upper = self.linear.apply(state) + combined(self.columns, rest)
-        return np.concatenate([upper, products(self.rows, state) + self.corner @ rest])
+        image = self.linear.apply(state)
+        out = np.empty(len(x), np.result_type(image, x, self.columns))
+        plus_combined(image, self.columns, rest, out)
+        out[n:] = products(self.rows, state) + self.corner @ rest
+        return out
 
     def solve(self, right: Vector, guess: Vector | None = None, accuracy: Accuracy | None = None) -> Vector:
         """See `gmres`."""

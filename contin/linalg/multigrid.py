@@ -1,9 +1,13 @@
 """Algebraic multigrid as a preconditioner: the levels are pyamg's, the cycles compiled here.
 
 A V-cycle is a sweep of Gauss and Seidel's method down the rows on the way to coarser levels, and one up the rows on the
-way back, so that it is symmetric where the matrix is (Briggs, Henson and McCormick, A Multigrid Tutorial, 2000). The
-first one begins at zero: it and the residual after it take the lower and the upper triangle once each, a whole cycle
-two passes through every level's matrix.
+way back, so that it is symmetric where the matrix is (Briggs, Henson and McCormick, A Multigrid Tutorial, 2000). Rows
+are coloured, and those of one colour, which do not depend on each other, are swept at once, by as many threads as there
+are. Unknowns are scaled so that every diagonal is one.
+
+The first sweep begins at zero: the residual after it is -U x, and zero in the rows of the last colour; on the way back
+these rows do not ask what they were. So no coarse correction is brought to them, and no residual taken from them: where
+they are the unknowns that are not on the coarser level, both ways are little more than copies.
 """
 
 from __future__ import annotations
@@ -11,67 +15,107 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.abi import Array, Vector
 from contin.errors import InputError
-from contin.kernels.multigrid import add_product, sweep_back, sweep_from_zero
+from contin.kernels import multigrid as kernels
+from contin.linalg.coloured import Places, placed
+from contin.machine.threads import in_parts
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-DIGITS: Final = 2.0**31 - 1.0  # of an entry, in units of its row
+DIGITS: Final = 2.0**31 - 1.0  # of an entry, in units of its matrix
 COARSEST: Final = 2_000  # unknowns up to which the last level is inverted
 
 
 @dataclass(frozen=True, eq=False)
 class Packed:
-    """Rows of a sparse matrix as `contin.kernels.multigrid` reads them; `units` are the largest entries of rows."""
+    """Rows of a sparse matrix as `contin.kernels.multigrid` reads them, in units of `unit`; none of them is empty."""
 
     starts: Vector
     entries: Vector
-    units: Array
+    unit: float
 
     @classmethod
-    def of(cls, matrix: csr_matrix, units: Array | None = None) -> Packed:
-        """units : of each row; None: its largest entry."""
-        starts = matrix.indptr.astype(np.int64)
-        rows = np.repeat(np.arange(matrix.shape[0]), np.diff(starts))
-        if units is None:
-            units = np.zeros(matrix.shape[0])
-            np.maximum.at(units, rows, np.abs(matrix.data))
-            units = np.where(units > 0.0, units, 1.0) / DIGITS
-        digits = np.rint(matrix.data / units[rows]).astype(np.int64)
-        return cls(starts, (digits << 32) | matrix.indices.astype(np.int64), units)
+    def of(cls, matrix: csr_matrix, unit: float = 0.0) -> Packed:
+        """unit : 0: such that the largest entry has all digits."""
+        unit = unit or (float(np.abs(matrix.data).max(initial=0.0)) or 1.0) / DIGITS
+        lengths = np.diff(matrix.indptr)
+        starts = np.concatenate([[0], np.cumsum(np.maximum(lengths, 1))])
+        entries = np.zeros(starts[-1], np.int64)
+        filled = np.ones(len(entries), bool)
+        filled[starts[:-1][lengths == 0]] = False
+        entries[filled] = np.rint(matrix.data / unit).astype(np.int64) << 32 | matrix.indices
+        entries[starts[1:] - 1] |= kernels.END
+        return cls(starts, entries, unit)
 
-    def add_to(self, out: Array, x: Array, factor: float = 1.0) -> Array:
-        """out + factor A x, in place."""
-        add_product(self.starts, self.entries, self.units, x, factor, out)
+    def times(self, x: Array, out: Array, add: bool = False) -> Array:
+        """out = A x, or out + A x, in place; the first rows where `out` is longer."""
+        product = kernels.add_product_rows if add else kernels.product_rows
+        in_parts(0, len(self.starts) - 1, lambda a, b: product(self.starts, self.entries, self.unit, x, out, a, b))
         return out
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A matrix L + D + U in three parts, with ways to the next coarser level and back."""
+    """A matrix L + 1 + U in colours, and the ways to the next coarser level and back."""
 
     lower: Packed
     upper: Packed
-    inverse: Array  # of D's entries
-    to_coarse: Packed
-    from_coarse: Packed
-    coarse_size: int
+    colours: tuple[int, ...]  # where the rows of each begin, and where the last ones end
+    to_coarse: tuple[Packed, ...]  # of the solution after the first sweep: one after the other
+    from_coarse: Packed  # to all rows but those of the last colour
 
     @classmethod
-    def of(cls, matrix: csr_matrix, to_coarse: csr_matrix, from_coarse: csr_matrix) -> Level:
+    def of(cls, matrix: csr_matrix, to_coarse: csr_matrix, from_coarse: csr_matrix, colours: tuple[int, ...]) -> Level:
+        """Scaled, and ordered by colours."""
         from scipy.sparse import tril, triu
 
-        units = Packed.of(matrix).units
-        lower, upper = (Packed.of(part(matrix, k, format="csr"), units) for part, k in ((tril, -1), (triu, 1)))
-        back = from_coarse.tocsr()
-        inverse = 1.0 / matrix.diagonal()
-        return cls(lower, upper, inverse, Packed.of(to_coarse.tocsr()), Packed.of(back), back.shape[1])
+        unit = float(np.abs(matrix.data).max(initial=0.0)) / DIGITS
+        lower, upper = tril(matrix, -1, format="csr"), triu(matrix, 1, format="csr")
+        inner = colours[-2]  # rows that are not of the last colour
+        residual, collected = -upper[:inner], to_coarse[:, :inner].tocsr()
+        at_once = (collected @ residual).tocsr()
+        steps = (residual, collected) if at_once.nnz > residual.nnz + collected.nnz + inner else (at_once,)
+        return cls(
+            Packed.of(lower, unit), Packed.of(upper, unit), colours,
+            tuple(Packed.of(step) for step in steps), Packed.of(from_coarse[:inner].tocsr()),
+        )  # fmt: skip
+
+    def sweep_down(self, right: Array, x: Array) -> None:
+        """x = (L + 1)^-1 right: a sweep from x = 0."""
+        x[: self.colours[1]] = right[: self.colours[1]]
+        for first, last in pairwise(self.colours[1:]):
+            self._relax(self.lower, right, x, first, last)
+
+    def sweep_up(self, right: Array, x: Array) -> None:
+        """A sweep from the last colour to the first, from what x is (but in the last colour)."""
+        one, both = self.lower, self.upper
+        *others, end = tuple(pairwise(self.colours))
+        self._relax(one if others else both, right, x, *end)
+        for first, last in reversed(others[1:]):
+            in_parts(
+                first, last, lambda a, b: kernels.relax_rows_of_both(
+                    one.starts, one.entries, both.starts, both.entries, one.unit, right, x, a, b
+                ),
+            )  # fmt: skip
+        for first, last in others[:1]:
+            self._relax(both, right, x, first, last)
+
+    @staticmethod
+    def _relax(part: Packed, right: Array, x: Array, first: int, last: int) -> None:
+        in_parts(first, last, lambda a, b: kernels.relax_rows(part.starts, part.entries, part.unit, right, x, a, b))
+
+    def coarse_right(self, x: Array) -> Array:
+        """The coarser level's right-hand side, from the solution after the first sweep."""
+        for step in self.to_coarse:
+            x = step.times(x, np.empty(len(step.starts) - 1))
+        return x
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,21 +124,25 @@ class Multigrid:
 
     levels: tuple[Level, ...]
     coarsest: Array  # the inverse of the last level's matrix
-    unit: float  # of A, with the sign of its diagonal: levels are those of A / unit
+    order: Vector  # position in the first level -> row
+    in_scale: Array  # of right-hand sides and ...
+    out_scale: Array  # ... of solutions, by position
 
     def __call__(self, right: Array) -> Array:
-        return self._cycle(0, np.ascontiguousarray(right, dtype=float)) / self.unit
+        right, n = np.ascontiguousarray(right, dtype=float), len(self.order)
+        inner, out = np.empty(n), np.empty(n)
+        in_parts(0, n, lambda a, b: kernels.gather_scaled(self.order, self.in_scale, right, inner, a, b))
+        found = self._cycle(0, inner)
+        in_parts(0, n, lambda a, b: kernels.scatter_scaled(self.order, self.out_scale, found, out, a, b))
+        return out
 
     def _cycle(self, k: int, right: Array) -> Array:
         if k == len(self.levels):
             return np.asarray(np.einsum("ij,j->i", self.coarsest, right))
         here, x = self.levels[k], np.empty_like(right)
-        lower, upper = here.lower, here.upper
-        sweep_from_zero(lower.starts, lower.entries, lower.units, here.inverse, right, x)
-        residual = upper.add_to(np.zeros_like(right), x, -1.0)
-        coarse = here.to_coarse.add_to(np.zeros(here.coarse_size), residual)
-        here.from_coarse.add_to(x, self._cycle(k + 1, coarse))
-        sweep_back(lower.starts, lower.entries, upper.starts, upper.entries, lower.units, here.inverse, right, x)
+        here.sweep_down(right, x)
+        here.from_coarse.times(self._cycle(k + 1, here.coarse_right(x)), x, add=True)
+        here.sweep_up(right, x)
         return x
 
 
@@ -133,8 +181,16 @@ def multigrid(matrix: Any, hierarchy: Callable[[Any], Any] | None = None) -> Mul
     last = levels[-1][1]
     if last.shape[0] > COARSEST:
         raise InputError(f"multigrid: the coarsest level has {last.shape[0]} unknowns, more than {COARSEST}")
-    parts = tuple(Level.of(a, level.R, level.P) for level, a in levels[:-1])
-    return Multigrid(parts, np.linalg.pinv(last.toarray()), unit)
+    places = [Places.of(a, csr_matrix(level.P)) for level, a in levels[:-1]]
+    places.append(Places.of_coarsest(last.shape[0]))
+    parts = []
+    for (level, a), here, coarse in zip(levels, places, places[1:], strict=False):
+        scaled = placed(a, here, here.rows, here, here.columns)
+        to_coarse = placed(csr_matrix(level.R), coarse, coarse.rows, here, 1.0 / here.rows)
+        from_coarse = placed(csr_matrix(level.P), here, 1.0 / here.columns, coarse, coarse.columns)
+        parts.append(Level.of(scaled, to_coarse, from_coarse, here.colours))
+    first = places[0]
+    return Multigrid(tuple(parts), np.linalg.pinv(last.toarray()), first.order, first.rows / unit, first.columns)
 
 
 def _pyamg() -> Any:

@@ -37,6 +37,7 @@ LIBRARIES: Final = {
 AVX2, FMA, OSXSAVE = 1 << 5, 1 << 12, 1 << 27  # bits of cpuid: leaf 7 ebx, leaf 1 ecx, leaf 1 ecx
 
 _state = {"fixed": False}
+_given = os.environ.get("OMP_NUM_THREADS", "")
 
 
 def fix() -> None:
@@ -59,6 +60,11 @@ def fix() -> None:
 def fixed() -> bool:
     """Whether numpy and the libraries under it were loaded with one level and one thread."""
     return _state["fixed"]
+
+
+def asked() -> int | None:
+    """The number of threads in the environment's OMP_NUM_THREADS before anything was fixed; None where it has none."""
+    return max(1, int(_given)) if _given.isdigit() else None
 
 
 def _level() -> str:

@@ -6,7 +6,18 @@ import scipy.sparse as sp
 
 from contin.linalg.eigen import Region
 from contin.linalg.orthonormal import orthonormal, outside
-from contin.linalg.vectors import inner, mixed
+from contin.linalg.vectors import (
+    added_and_multiplied,
+    combination,
+    dot,
+    inner,
+    mixed,
+    norm,
+    norm_in_units,
+    plus_combined,
+    products,
+)
+from contin.machine.threads import PART
 
 
 @pytest.mark.parametrize("n", [1, 511, 512, 513, 3000])
@@ -18,6 +29,25 @@ def test_products_and_combinations_are_those_of_matrices(n):
     added = a[:2].copy()
     assert mixed(weights, b, added_to=added) is added
     np.testing.assert_allclose(added, a[:2] + weights @ b, atol=1e-14)
+
+
+@pytest.mark.parametrize("n", [1000, PART + 1, 3 * PART])
+def test_long_vectors_are_summed_and_combined_as_short_ones(n):
+    generator = np.random.default_rng(n)
+    a, b, weights = generator.normal(size=n), generator.normal(size=n), generator.normal(size=3)
+    rows = np.linalg.qr(generator.normal(size=(n, 3)))[0].T.copy()
+    assert dot(a, b) == pytest.approx(a @ b, abs=1e-13 * n)
+    assert norm(a) == pytest.approx(np.linalg.norm(a), rel=1e-14)
+    assert norm_in_units(a, np.abs(b) + 1.0) == pytest.approx(np.linalg.norm(a / (np.abs(b) + 1.0)), rel=1e-14)
+    np.testing.assert_allclose(combination(weights, list(rows)), weights @ rows, atol=1e-15)
+    moved = a + weights @ rows
+    longer = np.full(n + 1, 7.0)
+    plus_combined(a, rows[0][:, None], weights[:1], longer)
+    np.testing.assert_allclose(longer, np.append(a + weights[0] * rows[0], 7.0), atol=1e-15)
+    np.testing.assert_allclose(products(rows[0][:, None], a), [rows[0] @ a], atol=1e-13 * n)
+    told = added_and_multiplied(weights, rows, a)
+    np.testing.assert_allclose(a, moved, atol=1e-14)
+    np.testing.assert_allclose(told, np.append(rows @ moved, moved @ moved), rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("angle", [1.0, 1e-2, 1e-5])

@@ -1,10 +1,13 @@
 """Cycles of multigrid: symmetric inverses whose count of iterations does not grow, of diffusions of either sign."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 import contin
+from contin.linalg.coloured import Places, placed
 from contin.linalg.krylov import gmres
 from contin.linalg.multigrid import Packed
 from tests.problems.sparse.test_old_factors import plate
@@ -43,14 +46,36 @@ def test_iterations_hardly_grow_with_the_number_of_unknowns(make):
     assert counts[1] <= counts[0] + 5 <= 22
 
 
-def test_packed_rows_have_nine_digits_of_their_largest_entry_whatever_their_units():
-    generator = np.random.default_rng(3)
-    matrix = (sp.diags(10.0 ** generator.uniform(-100, 100, 50)) @ sp.random(50, 70, 0.2, random_state=4)).tocsr()
-    x = generator.uniform(0.5, 1.0, 70)
-    found = Packed.of(matrix).add_to(np.ones(50), x) - 1.0
-    expected = matrix @ x
-    size = np.abs(matrix) @ np.ones(70)
-    assert np.all(np.abs(found - expected) <= 1e-8 * size + 1e-14)
+@pytest.mark.parametrize("of_states", [0, 6])
+@pytest.mark.parametrize("of_residuals", [0, 6])
+def test_packed_rows_have_nine_digits_in_any_units_of_states_and_residuals(of_states, of_residuals):
+    n = 144
+    unit = 10.0 ** np.where(np.arange(n) % 3 == 0, 1.0, -1.0)
+    matrix = (sp.diags(unit**of_residuals) @ laplace(12) @ sp.diags(unit**of_states)).tocsr()
+    place = Places.of(matrix, sp.eye(n, format="csr")[:, ::2])
+    scaled = placed(matrix, place, place.rows, place, place.columns)
+    np.testing.assert_array_equal(scaled.diagonal(), 1.0)
+    if of_states == of_residuals:
+        assert abs(scaled - scaled.T).max() == 0.0
+    x = np.random.default_rng(3).uniform(0.5, 1.0, n)
+    found = Packed.of(scaled).times(x, np.empty(n))
+    assert np.all(np.abs(found - scaled @ x) <= 1e-8 * (abs(scaled) @ x))
+
+
+def test_empty_rows_of_packed_matrices_are_zero_and_longer_results_keep_their_end():
+    matrix = sp.csr_matrix(np.array([[0.0, 2.0], [0.0, 0.0], [-1.0, 3.0], [0.0, 0.0]]))
+    x = np.array([1.0, 10.0])
+    np.testing.assert_allclose(Packed.of(matrix).times(x, np.full(5, 7.0)), [20.0, 0.0, 29.0, 0.0, 7.0], rtol=1e-9)
+    np.testing.assert_allclose(Packed.of(matrix).times(x, np.ones(4), add=True), [21.0, 1.0, 30.0, 1.0], rtol=1e-9)
+
+
+def test_rows_of_one_colour_do_not_depend_on_each_other():
+    matrix = sp.random(300, 300, 0.02, random_state=1).tocsr() + sp.eye(300, format="csr")
+    place = Places.of(matrix, sp.eye(300, format="csr")[:, ::2])
+    coloured = abs(placed(matrix, place, place.rows, place, place.columns))
+    for first, last in pairwise(place.colours):
+        assert coloured[first:last, first:last].nnz == last - first
+    assert sorted(place.order) == list(range(300))
 
 
 def test_bratus_fold_is_that_of_factors_with_one_set_of_levels():

@@ -8,7 +8,7 @@ reduced to the states with mass where M is singular.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from contin.systems.functions.function_system import FunctionSystem
 
 SAMPLES = 3
+MANY = 20_000  # states of which two samples tell as much as SAMPLES of few
 SPREAD = 4.0  # of an error, over the largest of SAMPLES
 SAME = 0.25  # about the diagonal's part of a row's terms
 EPSILON = float(np.finfo(float).eps)
@@ -172,9 +173,13 @@ Coefficients = Callable[[Derivatives], dict[str, float]]
 def with_errors(problem: LargeEquations, z: Array, compute: Coefficients) -> tuple[dict[str, float], dict[str, float]]:
     """Coefficients, and their estimated errors: how far they scatter as what they are made of does, and differences."""
     found = compute(Derivatives(problem, z))
-    generator = np.random.default_rng(9)
-    others = [compute(Derivatives.off(problem, z, generator)) for _ in range(SAMPLES)]
-    others += [compute(Derivatives(problem, z, system=other)) for other in problem.system.with_other_differences()]
+    generator, widths = np.random.default_rng(9), problem.system.with_other_differences()
+    if problem.n > MANY and widths:  # every one tells of both: it is an average over many states, and dear
+        offs = [replace(Derivatives.off(problem, z, generator), system=other) for other in widths]
+        others = [compute(off) for off in offs]
+    else:
+        others = [compute(Derivatives.off(problem, z, generator)) for _ in range(SAMPLES)]
+        others += [compute(Derivatives(problem, z, system=other)) for other in widths]
     return found, {key: SPREAD * max(abs(other[key] - value) for other in others) for key, value in found.items()}
 
 

@@ -12,9 +12,11 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
+from contin.linalg.by_rows import ByRows
 from contin.linalg.csc import filled
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
+from contin.linalg.multigrid import Multigrid
 from contin.linalg.probed import ProbedMatrix, entries
 from contin.problems.sparse.old_factors import OldFactors
 from contin.systems.functions.derivatives import COMPLEX_STEP
@@ -53,6 +55,7 @@ class JacobianSource:
         self.factoriser = Factoriser()
         self._last: KrylovLinear | None = None
         self.mass = system.model.mass_matrix
+        self._by_rows = ByRows()
         self._old = OldFactors(self.factoriser, self.mass)
         self._held: Held | None = None  # the user's preconditioner, ...
         self._probed = ProbedMatrix(system.n)
@@ -79,7 +82,7 @@ class JacobianSource:
 
     def _preconditioned(self, matrix: csc_matrix, u: Array, p: Array) -> KrylovLinear | None:
         """Solved by GMRES with the user's preconditioner of an earlier point, as long as it serves well."""
-        return self._serving(lambda v: np.asarray(matrix @ v), matrix, u, p)
+        return self._serving(self._by_rows.product(matrix), matrix, u, p)
 
     def _serving(
         self, product: Callable[[Array], Array], matrix: csc_matrix | None, u: Array, p: Array
@@ -214,7 +217,8 @@ class JacobianSource:
 
         def apply(r: Array) -> Array:
             self.factoriser.tally.applied(r)
-            return vector("preconditioner", called("preconditioner", made, r), n).astype(float)
+            found = vector("preconditioner", called("preconditioner", made, r), n)
+            return found.astype(float, copy=not isinstance(made, Multigrid))  # others may write into it again
 
         return apply
 

@@ -18,7 +18,7 @@ from contin.linalg.eigen import Region
 from contin.linalg.krylov import Accuracy
 from contin.linalg.linear import KrylovBordered, Linear, Solution
 from contin.linalg.region_of_pencil import RegionOfPencil
-from contin.linalg.vectors import dot, generic, norm
+from contin.linalg.vectors import dot, generic, norm, norm_in_units
 from contin.machine import elementary
 
 # errors (scaled) of what is solved for by iteration:
@@ -104,22 +104,19 @@ class LargeLinearisation:
         if not isinstance(self._solution, KrylovBordered):
             x = self._solution.solve(both)
         elif right[:-1].any():
-            wanted = self._of_chord if self.rough else self._of_newton
+            wanted = _of_chord if self.rough else _of_newton
             floor = max(BELOW * tolerance, SETTLED)
-            x = self._solution.solve(both, accuracy=Accuracy(self._size, lambda x: max(wanted(x), floor)))
+
+            def enough(size: float) -> float:
+                return max(wanted(size), floor)
+
+            x = self._solution.solve(both, accuracy=Accuracy(self._size, lambda x: enough(self._size(x)), enough))
         else:
             x = self._tangent(self._solution, both)
         return np.asarray(x / self.scale)
 
     def _size(self, x: Array) -> float:
-        return norm(x / self.scale)
-
-    def _of_chord(self, x: Array) -> float:
-        return ROUGH * self._size(x)
-
-    def _of_newton(self, x: Array) -> float:
-        size = self._size(x)
-        return min(QUADRATIC * size, LONG) * size
+        return norm_in_units(x, self.scale)
 
     def _of_tangent(self, x: Array) -> float:
         """The fold's test is dp/ds, which must be right as a part of itself."""
@@ -128,7 +125,7 @@ class LargeLinearisation:
 
     def _tangent(self, solution: KrylovBordered, right: Array) -> Array:
         """A multiple of the tangent, from the last one that was computed."""
-        accuracy = Accuracy(self._size, self._of_tangent)
+        accuracy = Accuracy(self._size, self._of_tangent, lambda size: TANGENT * size)
         if self.row is None or self.work is None or self.z is None:
             return solution.solve(right, accuracy=accuracy)
         guess = self._guessed()
@@ -177,3 +174,12 @@ class LargeLinearisation:
         if not 0.0 < abs(way) < REACH * abs(back) or along == 0.0:  # farther, what is seen of its turning is rounding
             return t
         return np.asarray(t + way / back * (before * (dot(t, t) / along) - t))
+
+
+def _of_chord(size: float) -> float:
+    """The error that a correction of this size may have."""
+    return ROUGH * size
+
+
+def _of_newton(size: float) -> float:
+    return min(QUADRATIC * size, LONG) * size

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.by_rows import ByRows
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import KrylovLinear
 
@@ -27,6 +28,7 @@ class OldFactors:
 
     def __init__(self, factoriser: Factoriser, mass: csc_matrix = None) -> None:
         self.factoriser, self.mass = factoriser, mass
+        self._by_rows = ByRows()
         self._last: KrylovLinear | None = None
         self._points = self._spent = 0  # that the factors have served, and the GMRES iterations there
         self._place = np.empty(0), np.empty(0)  # where they were made
@@ -37,10 +39,7 @@ class OldFactors:
 
     def at(self, matrix: csc_matrix, u: Array, p: Array) -> KrylovLinear:
         """The matrix as an operator.  u, p : states (n,) and parameters (m,) where it belongs."""
-
-        def product(v: Array) -> Array:
-            return np.asarray(matrix @ v)
-
+        product = self._by_rows.product(matrix)
         last, tally = self._last, self.factoriser.tally
         if last is None or last.precise is None or self._worn_out(last):
             self._points, self._spent, self._place = 0, 0, (u.copy(), p.copy())
