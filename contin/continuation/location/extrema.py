@@ -148,16 +148,12 @@ class Extremum:
             return bend if turning else bend / elementary.square(float(sample.tangent[-1] * scale[-1]))
 
         here = by_parameter(look.bend, near, scale)
-        closer = self._look(stretch, near, 0.5 * look.step)  # both what is truncated and what scatters are others there
-        uncertain = abs(look.bend) if closer is None else SAFETY * abs(closer.bend - look.bend)
-        uncertain += 2.0 * rounding / (STEP * look.step) + TRUNCATED * abs(look.bend)
-        error = abs(by_parameter(uncertain, near, scale))
-        if finer is None:
-            return here, error
-        problem, sample, frame = finer
-        there = self._look(Stretch(problem, sample, frame, stretch.settings), sample, STEP)
-        moved = abs(here) if there is None else abs(by_parameter(there.bend, sample, frame.scale) - here)
-        return here, error + SAFETY * moved
+        problem, sample, frame = (stretch.problem, near, stretch.frame) if finer is None else finer
+        # with half the steps what is truncated and what scatters are others, on a finer mesh its errors, too
+        closer = self._look(Stretch(problem, sample, frame, stretch.settings), sample, 0.5 * look.step)
+        moved = abs(here) if closer is None else abs(by_parameter(closer.bend, sample, frame.scale) - here)
+        least = 2.0 * rounding / (STEP * look.step) + TRUNCATED * abs(look.bend)
+        return here, SAFETY * moved + abs(by_parameter(least, near, scale))
 
     def _turns_on_mesh(
         self, stretch: Stretch, finer: Finer | None, bend: float, ends: tuple[Sample, Sample]
