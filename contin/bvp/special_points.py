@@ -23,7 +23,7 @@ from contin.bvp.kernel_at_branch_point import SmallestValues, kernel_dimension, 
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.several_modes import ALONG, form_of, reduced_to_kernel
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.errors import InputError
 from contin.linalg.newton import longest_part
 from contin.linalg.vectors import norm
@@ -57,7 +57,7 @@ ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """The determinant changes sign at branch points; dp/ds at folds, and at a pitchfork seen from its side branch."""
-    fold, determinant = (bool(x) for x in a.tests[:2] * b.tests[:2] < 0.0)
+    fold, determinant = (bool(x) for x in opposite(a.tests[:2], b.tests[:2]))
     if determinant:
         return ("BP",)
     return ("LP",) if fold else ()
@@ -111,7 +111,7 @@ def verify_compound(problem: BoundaryEquations, a: Sample, b: Sample, frame: Fra
 
     Where two modes vanish at once, no test changes its sign.
     """
-    types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
+    types = [t for t, k in (("BP", 1), ("LP", 0)) if opposite(a.tests[k], b.tests[k])]
     if not types:
         found = _together(problem, a, frame)
         return [replace(one, touches=True) if isinstance(one, Verified) else one for one in found]

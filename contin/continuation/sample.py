@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import Array
 
@@ -30,6 +30,11 @@ class Stop(Enum):
 
 
 STOPS: Final = tuple(Stop)  # by the code that a kernel returns
+
+
+def opposite(a: ArrayLike, b: ArrayLike) -> Any:
+    """Where a and b differ in sign, neither of them zero; a product would leave the range of numbers in some units."""
+    return np.sign(a) * np.sign(b) < 0.0
 
 
 @dataclass(frozen=True, eq=False, init=False)

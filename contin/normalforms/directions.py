@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.normalforms.branching import Direction, branch_point, simple_directions
 from contin.normalforms.jet import Jet, Real
-from contin.normalforms.multiple import CONTINUUM, REPEATED, multiple_directions, scaling_of
+from contin.normalforms.multiple import CONTINUUM, REPEATED, multiple_directions, require_countable, scaling_of
 from contin.normalforms.reduction import Reduction, kernel_dimension, reduce
 from contin.normalforms.result import NormalForm
 from contin.normalforms.static import StateError
@@ -36,6 +36,7 @@ def branch_directions(
     list of `Direction`; z0 + s tangent + s^2 curvature, s of either sign, is on a branch up to O(s^3). For a
     pitchfork's side branch the curvature's last entry is p2 of dp = p2 s^2. Empty where no second branch is real.
     """
+    require_countable(kernel or 1)
     r = reduce(jet, kernel)
     if r.k == 1:
         error = branch_point(jet, state_error=state_error, reduction=r).errors["b20"]
@@ -54,8 +55,10 @@ def any_branch_point(
     """BP whatever its kernel: `branch_point` for dimension one, else {kernel, kind: multiple, scaling, branches}.
 
     `continua`: circles of solutions of the leading terms. `repeated`: their solutions that are not simple.
+    Raises LargeKernelError.
    """
     k = kernel or (reduction.k if reduction else kernel_dimension(jet))
+    require_countable(k)
     r = reduction or reduce(jet, k)
     if k == 1:
         return branch_point(jet, state_error=state_error, reduction=r)

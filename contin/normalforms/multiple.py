@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
@@ -23,8 +24,21 @@ OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in th
 LINK = 0.3  # points of a continuum closer than this are connected (400 starts lie denser, up to a sphere)
 SCATTER = 1e-3  # copies of a root closer than this are one
 AT_ONCE = 64  # points of a front whose neighbours are looked for together
+LARGEST = 8  # dimensions of a kernel; of more, `sphere_roots` has too few starts for up to 3^k branches
 CONTINUUM = "solutions form a continuum (a continuous symmetry): one representative"
 REPEATED = "repeated direction: higher orders decide whether it is one branch, several or none"
+
+
+class LargeKernelError(InputError, np.linalg.LinAlgError):
+    """A kernel of more dimensions than branches are looked for in."""
+
+
+def require_countable(k: int) -> None:
+    """Raises `LargeKernelError` where the branches of a reduced equation of k unknowns could not all be found."""
+    if k > LARGEST:
+        raise LargeKernelError(
+            f"a kernel of dimension {k} has up to 3^{k} branches, which are not looked for beyond dimension {LARGEST}"
+        )
 
 
 def multiple_directions(r: Reduction, *, state_error: StateError = None) -> list[Direction]:
@@ -32,6 +46,7 @@ def multiple_directions(r: Reduction, *, state_error: StateError = None) -> list
 
     Primary is the branch along which the parameter moves with speed and the kernel stays nearest to rest.
     """
+    require_countable(r.k)
     scaling = scaling_of(r, state_error)
     if scaling == "fold":
         return _fold(r)

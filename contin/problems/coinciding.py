@@ -14,6 +14,11 @@ SEVERAL_PAIRS: Final = (
     "HB: several pairs of eigenvalues cross at once, for which there is no normal form here; families of cycles born "
     "there are told apart by declared symmetries alone, and without these one is followed"
 )
+SEVERAL_MULTIPLIERS: Final = {
+    "NS": "NS: several pairs of multipliers cross at once, for which there is no normal form here",
+    "PD": "PD: several multipliers pass -1 at once, for which there is no normal form here; the doubled cycles are "
+    "those through the branch point of the map applied twice",
+}
 SAME: Final = 1e-6  # distance in the metric within which two events are at one place
 
 

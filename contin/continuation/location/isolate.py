@@ -37,7 +37,7 @@ from contin.continuation.location.rest_of_step import (
 from contin.continuation.location.sameness import same_point
 from contin.continuation.outcome import NOTHING, Jump, Nothing, Outcome, Rejected, Verified, unverified
 from contin.continuation.problem import in_two_parameters
-from contin.continuation.sample import Sample
+from contin.continuation.sample import Sample, opposite
 from contin.linalg.vectors import norm
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
@@ -133,12 +133,12 @@ def _is_plain(stretch: Stretch, found: Found, type_: str) -> bool:
 def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], depth: int) -> Iterator[Found]:
     """Events on both sides of a change of one test that is none, from a, low, high, b: it lies between low and high."""
     a, low, high, b = samples
-    crossing = a.tests * b.tests < 0.0
+    crossing = opposite(a.tests, b.tests)
     at = [stretch.length_of(low), stretch.length_of(high)]
     centre = 0.5 * (at[0] + at[1])
     if np.count_nonzero(crossing) == 1 and at[0] != at[1]:  # where the test vanishes, to second order in the bracket
         before, after = float(low.tests[crossing][0]), float(high.tests[crossing][0])
-        if before * after < 0.0:
+        if opposite(before, after):
             centre = at[0] + (at[1] - at[0]) * before / (before - after)
     for near, far in ((low, a), (high, b)):
         if near is far:
@@ -157,7 +157,7 @@ def _with_rest(
     The point knows how far from it (along the curve) its zero may be: zeros in between are itself.
     """
     point = replace(found.sample, z=found.point.z)
-    crossing = a.tests * b.tests < 0.0
+    crossing = opposite(a.tests, b.tests)
     sides = sides_of(stretch, point, (a, b), crossing)
     if any(look.rounding for look in sides) or (not sides and _is_rounding(stretch, a, b)):
         yield _lost(stretch, point)
@@ -327,7 +327,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
     problem = stretch.problem
     index = problem.test_of(type_)
     if index is None and a.unstable == b.unstable:  # a branch that turns where it crosses another
-        changed = np.flatnonzero(a.tests * b.tests < 0.0)
+        changed = np.flatnonzero(opposite(a.tests, b.tests))
         index = int(changed[0]) if changed.size else None
 
     def value(sample: Sample) -> float:
@@ -410,7 +410,7 @@ def _is_elsewhere(stretch: Stretch, a: Sample, b: Sample, found: Verified, lengt
     The count then changed where the critical eigenvalue came within its rounding errors of the stability boundary.
     From there to the point its sign is not known, and further points may lie between.
     """
-    if np.any(a.tests * b.tests < 0.0):
+    if np.any(opposite(a.tests, b.tests)):
         return False
     low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
     return max(low - length, length - high) > max(COINCIDENT, found.error / float(stretch.frame.scale[-1]))

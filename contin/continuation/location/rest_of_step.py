@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.sample import Sample
+from contin.continuation.sample import Sample, opposite
 from contin.kernels import rest_of_step as kernel
 
 CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose tests should hardly differ
@@ -106,7 +106,7 @@ def solved(stretch: Stretch, row: Sample, other: Sample) -> Sample:
 
 def told_apart(a: Sample, b: Sample, noise: Array) -> bool:
     """False where what changes between a and b is no more than rounding errors of the tests."""
-    changed = a.tests * b.tests < 0.0
+    changed = opposite(a.tests, b.tests)
     lost = (np.abs(a.tests) <= noise) | (np.abs(b.tests) <= noise)
     return not bool(np.any(changed & lost)) and not (a.unstable != b.unstable and bool(np.any(lost & (noise > 0.0))))
 
@@ -123,7 +123,7 @@ def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, cro
     ratio = d_near / d_nearer
     sizes, nearer_sizes = np.abs(near.tests[crossing]), np.abs(nearer.tests[crossing])
     low, high = sqrt(ratio) * nearer_sizes, ratio * sqrt(ratio) * nearer_sizes
-    if np.any(near.tests[crossing] * nearer.tests[crossing] < 0.0):  # another zero lies between them
+    if np.any(opposite(near.tests[crossing], nearer.tests[crossing])):  # another zero lies between them
         return False
     return bool(np.all((sizes > low) & (sizes < high)))  # false for 0 and NaN: the test is lost in its rounding
 

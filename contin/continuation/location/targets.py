@@ -16,7 +16,7 @@ from contin.continuation.location.touched import touched, turning_points
 from contin.continuation.location.turning import turns
 from contin.continuation.location.user_value import Sought, Target
 from contin.continuation.problem import Problem
-from contin.continuation.sample import Chunk, Frame
+from contin.continuation.sample import Chunk, Frame, opposite
 from contin.continuation.segment import Row
 from contin.continuation.settings import Settings
 
@@ -45,7 +45,7 @@ def hits(
     owner = np.array([item[0] if item[1] == -np.inf else item[0] - 1 for item in order])
     for target in targets:
         values = target.values(problem, points) - target.value
-        for i in np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)):
+        for i in np.flatnonzero(opposite(values[:-1], values[1:]) | (values[1:] == 0.0)):
             row = int(owner[i])
             stretch = Stretch(problem, chunk.sample(row), frame, settings)
             ends = [points[i], *_turns_between(target, stretch, chunk, row, (points[i], points[i + 1])), points[i + 1]]
@@ -71,4 +71,4 @@ def _turns_between(
 
 def _crossed(target: Sought, problem: Problem, z_a: Array, z_b: Array) -> bool:
     before, after = (target.values(problem, np.array([z_a, z_b])) - target.value).tolist()
-    return bool(before * after < 0.0 or after == 0.0)
+    return bool(opposite(before, after) or after == 0.0)

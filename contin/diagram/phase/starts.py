@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
+from contin.continuation.sample import opposite
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
@@ -70,7 +71,7 @@ def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settin
 def _where_zero(column: Array, z: Array) -> Iterator[Array]:
     """Rows z (N, .) at which the column (N,) vanishes, as at labelled values, and points of chords where it does."""
     yield from z[column == 0.0]
-    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
+    for row in np.flatnonzero(opposite(column[:-1], column[1:])):
         t = column[row] / (column[row] - column[row + 1])
         yield (1.0 - t) * z[row] + t * z[row + 1]
 

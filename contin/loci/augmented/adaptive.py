@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.outcome import Outcome, Verified, unverified
 from contin.continuation.problem import Renewal
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.augmented import events
@@ -109,7 +109,7 @@ class AdaptiveCurve(AugmentedCurve):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = [
             t for t in self.base.types(self.type)
-            if (k := self.test_of(t)) is not None and a.tests[k] * b.tests[k] < 0.0
+            if (k := self.test_of(t)) is not None and opposite(a.tests[k], b.tests[k])
         ]  # fmt: skip
         return [self.verify(type_, a, frame) for type_ in changed]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.linalg.newton import Rules, by_steps
 from contin.loci.augmented.elimination import Augmented, Scalars
 from contin.loci.tolerances import ILL_CONDITIONED, RESIDUAL_LIMIT
@@ -93,6 +93,6 @@ def verify_compound(problem: CurveEquations, a: Sample, b: Sample, frame: Frame)
     found = []
     for type_ in problem.base.types(problem.type):
         index = problem.test_of(type_)
-        if index is not None and a.tests[index] * b.tests[index] < 0.0:
+        if index is not None and opposite(a.tests[index], b.tests[index]):
             found.append(verify(problem, type_, a, frame))
     return found

@@ -15,7 +15,7 @@ from contin.continuation.branch import End
 from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
 from contin.continuation.position import position
 from contin.continuation.problem import Renewal
-from contin.continuation.sample import Chunk, Frame, Sample
+from contin.continuation.sample import Chunk, Frame, Sample, opposite
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
@@ -123,7 +123,7 @@ class LargeOrbitCurve(AugmentedCurve):
         return TURNS + names.index(type_) if type_ in names else None
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        changed = a.tests[TURNS:] * b.tests[TURNS:] < 0.0
+        changed = opposite(a.tests[TURNS:], b.tests[TURNS:])
         moved = abs(a.unstable - b.unstable)
         if changed[0] and moved == 0 and stay_outside(a.eigenvalues, b.eigenvalues):
             changed[0] = False  # two real multipliers have met there, or parted
@@ -177,7 +177,7 @@ class LargeOrbitCurve(AugmentedCurve):
         return with_coefficients(point, angle, coarse, (finer.at(z), finer.inner(z)))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        changed = a.tests[TURNS:] * b.tests[TURNS:] < 0.0
+        changed = opposite(a.tests[TURNS:], b.tests[TURNS:])
         types = [name for name, c in zip(tests_of_orbits(self.type), changed, strict=True) if c]
         return [self.verify(type_, a, frame) for type_ in types]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
-from contin.continuation.sample import Sample
+from contin.continuation.sample import Sample, opposite
 from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import Chosen, MeshedBase
@@ -159,7 +159,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         return FIRST + known.index(type_) if type_ in known else None
 
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        changed = a.tests[FIRST:] * b.tests[FIRST:] < 0.0
+        changed = opposite(a.tests[FIRST:], b.tests[FIRST:])
         crossed = [(t, m) for t, m, c in zip(self.types(type_), MOVED, changed, strict=False) if c]
         moved = abs(a.unstable - b.unstable)
         if not crossed:

@@ -16,7 +16,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import ERROR_OF
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Chunk, Frame, Sample, Stop
+from contin.continuation.sample import Chunk, Frame, Sample, Stop, opposite
 from contin.continuation.turning_off import CROSSED
 from contin.loci.codim2 import degenerate, zero_hopf_crossing
 from contin.loci.codim2.double_zero import on_branch_points
@@ -65,7 +65,7 @@ def explain(
     apart : whether the points are so far from each other that tests may pass through zero where they seem to jump.
     """
     events = signs_of_points(locus, is_map)
-    crossed = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
+    crossed = [i for i in events if opposite(a.tests[i], b.tests[i])]
     moved = abs(b.unstable - a.unstable)
     if locus == "LP" and crossed == [2, 3] and moved == 1 and _orientation_jumps(a, b):
         return None if apart() else ("double zero",)
@@ -262,7 +262,7 @@ def verify_compound(problem: CurveOfPoints, a: Sample, b: Sample, frame: Frame) 
     """
     is_map = problem.system.kind == "map"
     events = signs_of_points(problem.locus, is_map)
-    changing = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
+    changing = [i for i in events if opposite(a.tests[i], b.tests[i])]
     if sum(events[i][1] for i in changing) != abs(b.unstable - a.unstable):
         at_end = [i for i in events if events[i][1] and (a.tests[i] == 0.0) != (b.tests[i] == 0.0)]
         changing = [i for i in events if i in changing or i in at_end]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.loci.orbits import criticality
 from contin.loci.without_coefficients import with_remark
 from contin.problems.orbits.linearised.multipliers import without
@@ -42,7 +42,7 @@ def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
 
     Tests stand from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself.
     """
-    changed = a.tests[2:] * b.tests[2:] < 0.0
+    changed = opposite(a.tests[2:], b.tests[2:])
     types = tuple(name for name, c in zip(tests_of_orbits(locus), changed, strict=True) if c)
     return types if len(types) <= 1 else None
 

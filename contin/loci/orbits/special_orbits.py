@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.outcome import Outcome
 from contin.continuation.problem import Renewal
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.loci.orbits import criticality, events
 from contin.loci.orbits.curve_of_orbits import CurveOfSpecialOrbits
 from contin.loci.orbits.homoclinic_approach import approached
@@ -40,7 +40,7 @@ class OfSpecialOrbits(CurveOfSpecialOrbits):
         return events.verify(self, type_, near, frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        changed = a.tests[2:] * b.tests[2:] < 0.0
+        changed = opposite(a.tests[2:], b.tests[2:])
         return [self.verify(t, a, frame) for t, c in zip(tests_of_orbits(self.locus), changed, strict=True) if c]
 
     def connected(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:

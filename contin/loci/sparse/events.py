@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.errors import NotFiniteError
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
@@ -40,7 +40,7 @@ ROUNDED = 1e-9
 def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
     """Types whose tests change sign."""
     signs = signs_of_points(locus, False)
-    return [type_ for index, (type_, _) in signs.items() if a.tests[index] * b.tests[index] < 0.0]
+    return [type_ for index, (type_, _) in signs.items() if opposite(a.tests[index], b.tests[index])]
 
 
 def split(problem: OnLargeCurve, z: Array) -> tuple[Vector, Vector, Vector]:

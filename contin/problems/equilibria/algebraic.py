@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
-from contin.continuation.sample import Chunk, Frame, Sample
+from contin.continuation.sample import Chunk, Frame, Sample, opposite
 from contin.continuation.settings import Settings
 from contin.kernels.algebraic import BY_PLACE
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
@@ -64,7 +64,7 @@ class AlgebraicProblem(EquilibriumProblem):
         return tests, [min(count, 0) for count in counts]
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        fold, determinant = (bool(x) for x in a.tests[:BY_PLACE] * b.tests[:BY_PLACE] < 0.0)
+        fold, determinant = (bool(x) for x in opposite(a.tests[:BY_PLACE], b.tests[:BY_PLACE]))
         if determinant:
             return ("BP",)
         return ("LP",) if fold else ()

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Jump, Outcome, Verified
-from contin.continuation.sample import Chunk, Frame, Sample, Stop
+from contin.continuation.sample import Chunk, Frame, Sample, Stop, opposite
 from contin.continuation.settings import Settings
 from contin.problems.equilibria.on_surface import STEP, OnSurface, at_height, far, on_surface
 
@@ -48,7 +48,7 @@ def verify_corner(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fram
         z = solved.z
         if not crossed[k] and np.linalg.norm((z - a.z) / frame.scale) > gap:
             continue
-        if a.tests[0] * b.tests[0] < 0.0 or _turns_at(problem, z, a, b, frame.scale):
+        if opposite(a.tests[0], b.tests[0]) or _turns_at(problem, z, a, b, frame.scale):
             stable = min(a.unstable, b.unstable)
             return _fold(solved, a, stable, int(k))
         if a.unstable != b.unstable:

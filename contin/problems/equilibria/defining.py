@@ -158,19 +158,22 @@ def _critical_pair(
     return System(at, values, terms)
 
 
-def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
-    """F = 0 and F_u - value I singular (value = -2 where F_u = G_u - I: a period doubling of the map G)."""
+def eigenvalue_at(local: Local, y: Array, value: float, corank: int = 1) -> Solved | None:
+    """F = 0 and F_u - value I of corank k (value = -2 where F_u = G_u - I: a period doubling of the map G).
+
+    n + k^2 equations for y, consistent where k such eigenvalues with as many vectors are at one place.
+    """
     n = local.n
     identity = local.identity
-    b, c = singular_basis(local.linearise(y)[1][:, :n] - value * identity, 1)
+    b, c = singular_basis(local.linearise(y)[1][:, :n] - value * identity, corank)
 
     return newton(_real_critical(local, b, c, value), y, n)
 
 
 def _real_critical(local: Local, b: Array, c: Array, value: float) -> System:
-    """F = 0 and F_u - value I bordered by b, c, of corank 1."""
-    n = local.n
-    compiled = local.bordered(FOLD, b, c, value)
+    """F = 0 and F_u - value I bordered by b, c, (n, k), of corank k."""
+    n, k = local.n, c.shape[1]
+    compiled = local.bordered(FOLD, b, c, value) if k == 1 else None
     if compiled is not None:
         return System.compiled(compiled)
     shift = value * local.identity
@@ -178,21 +181,19 @@ def _real_critical(local: Local, b: Array, c: Array, value: float) -> System:
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
         v, w, g = solve_bordered(jacobian[:, :n] - shift, b, c)
-        direction, matrix, residual = np.zeros(n + 1), np.empty((n + 1, n + 1)), np.empty(n + 1)
-        direction[:n] = v[:, 0]
-        matrix[:n], matrix[n] = jacobian, -(w.T @ local.hessian(x, direction))
-        residual[:n], residual[n] = f, g[0, 0]
-        return residual, matrix
+        rows = [-(w.T @ local.hessian(x, np.append(column, 0.0))) for column in v.T]
+        return np.concatenate([f, g.T.ravel()]), np.vstack([jacobian, *rows])
 
     def values(x: Array) -> Array:
         f, jacobians = local.linearised(x)
-        return np.concatenate([f, _bordered_values(jacobians[:, :, :n] - shift, b, c)[:, :, 0]], axis=1)
+        g = _bordered_values(jacobians[:, :, :n] - shift, b, c)
+        return np.concatenate([f, g.swapaxes(1, 2).reshape(len(x), -1)], axis=1)
 
     def terms(x: Array) -> Array:
         jacobian = local.linearise(x)[1]
         v, w, _ = solve_bordered(jacobian[:, :n] - shift, b, c)
         size = np.abs(jacobian)
-        return np.append(size @ np.abs(x), np.abs(w[:, 0]) @ size[:, :n] @ np.abs(v[:, 0]))
+        return np.append(size @ np.abs(x), (np.abs(w).T @ size[:, :n] @ np.abs(v)).T.ravel())
 
     return System(at, values, terms)
 

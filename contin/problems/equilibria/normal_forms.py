@@ -18,12 +18,13 @@ from contin.normalforms.jet import DerivativeJet, Jet, Kind
 from contin.normalforms.later import Later, stated
 from contin.normalforms.linear import solve
 from contin.normalforms.maps import neimark_sacker, period_doubling
+from contin.normalforms.multiple import LargeKernelError
 from contin.normalforms.poles import ROUNDED
 from contin.normalforms.result import NO_ERRORS, STATE_ERROR, Errors, NormalForm
 from contin.normalforms.rounding import difference_errors, rounding_errors
 from contin.normalforms.sources import jet_of
 from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
-from contin.problems.coinciding import SEVERAL_PAIRS
+from contin.problems.coinciding import SEVERAL_MULTIPLIERS, SEVERAL_PAIRS
 from contin.problems.equilibria.branching import degenerate
 from contin.problems.equilibria.branching.rotated import turning_kernel
 
@@ -46,6 +47,9 @@ def with_normal_form(problem: AlgebraicEquations, point: Verified, scale: Array)
     """The point with FORMATS' coefficients, their errors and its vectors; what cannot be computed is a remark."""
     try:
         form = _normal_form(problem, point, scale)
+    except LargeKernelError as reason:
+        known = {"kind": "multiple", "kernel": int(point.vectors["kernel"])}
+        return replace(point, normal_form=known, remark=f"{point.type}: {reason}")
     except (ZeroDivisionError, np.linalg.LinAlgError) as reason:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
     if form is None:
@@ -57,9 +61,16 @@ def with_normal_form(problem: AlgebraicEquations, point: Verified, scale: Array)
     vectors = {**point.vectors, **in_own_units(form.vectors, units)}
     errors = {"errors": stated(form.errors)} if isinstance(form.errors, Later) or form.errors else {}
     described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
-    if point.type == "HB" and int(point.vectors.get("kernel", 1)) > 1 and not problem.system.model.symmetries:
-        described = replace(described, remark=SEVERAL_PAIRS)
+    if int(point.vectors.get("kernel", 1)) > 1:
+        described = replace(described, remark=_at_once(problem, point.type) or described.remark)
     return degenerate.described(problem, described, scale) if degenerate.is_degenerate(described) else described
+
+
+def _at_once(problem: AlgebraicEquations, type_: str) -> str:
+    """What is not told of several eigenvalues or pairs that cross together; of Hopf points symmetries tell it."""
+    if type_ == "HB":
+        return "" if problem.system.model.symmetries else SEVERAL_PAIRS
+    return SEVERAL_MULTIPLIERS.get(type_, "")
 
 
 def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) -> NormalForm | None:
@@ -70,7 +81,7 @@ def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) ->
             return turning_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel)
         return any_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel=kernel)
     if kernel > 1:
-        return NormalForm(point.type, {"kernel": kernel}, f"{kernel} pairs at once")
+        return NormalForm(point.type, {"kernel": kernel}, f"{kernel} at once")
     if point.type not in ("LP", "BP", "HB", "PD", "NS") or point.normal_form.get("kind") == "nonsmooth":
         return None
     jet = with_units(jet_at(problem, point.z, scale), units)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.linalg.balancing import balancing_scales
 from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary
@@ -50,7 +50,7 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
     Neimark-Sacker point two. A branch point where the parameter turns (a pitchfork seen from its side branch) moves
     none or one. None means that one simple event does not account for it all.
     """
-    seen = tuple((a.tests * b.tests < 0.0).tolist())
+    seen = tuple(opposite(a.tests, b.tests).tolist())
     moved = abs(b.unstable - a.unstable)
     if seen == (False, False, False, False):
         return () if moved == 0 else None
@@ -83,9 +83,13 @@ def verify(problem: AlgebraicEquations, type_: str, near: Sample, frame: Frame) 
     if type_ == "BP":
         return _branch_point(problem, local, y, frame, 1, tangent)
     if type_ == "PD":
-        return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
+        return _flip(problem, local, y, frame, 1)
     if type_ == "neutral":
         return _opposite_zeros(problem, local, y, frame, tangent)
+    if problem.is_map and pair is not None and abs(pair + 1.0) < NEXT:  # both are real, or nearly
+        flips = _flip(problem, local, y, frame, 2)
+        if isinstance(flips, Verified):
+            return flips
     if pair is None or is_real:
         return Rejected(f"{type_}: the two eigenvalues that cross are real")
     return _crossing_pair(problem, local, y, frame, pair, tangent)
@@ -114,7 +118,17 @@ def _fold(problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Fra
             apart = abs(float(crossing.y[-1] - solved.y[-1]))
             if apart <= solved.error + crossing.error and crossing.error < solved.error:
                 return NOTHING
-    return _accept(problem, "LP", frame, solved, _real_critical(problem, 0.0))
+    return _accept(problem, "LP", frame, solved, _real_critical(problem))
+
+
+def _flip(problem: AlgebraicEquations, local: ScaledSystem, y: Array, frame: Frame, count: int) -> Outcome:
+    """A period doubling, of so many multipliers that pass -1 together."""
+
+    def critical(values: Vector) -> list[int]:
+        return list(np.argsort(np.abs(values + 1.0))[:count])
+
+    found = _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0, count), critical)
+    return _with(found, vectors={"kernel": count}) if isinstance(found, Verified) and count > 1 else found
 
 
 def _opposite_zeros(
@@ -294,8 +308,8 @@ def _turns_on_all(local: ScaledSystem, y: Array, tangent: Array) -> bool:
     return bool(here[-2] < SINGULAR * max(float(here[0]), float(beside[0])))
 
 
-def _real_critical(problem: AlgebraicEquations, flow_value: float) -> Critical:
-    target = flow_value if flow_value != 0.0 else (1.0 if problem.is_map else 0.0)
+def _real_critical(problem: AlgebraicEquations) -> Critical:
+    target = 1.0 if problem.is_map else 0.0
     return lambda values: [int(np.abs(values - target).argmin())]
 
 
@@ -359,11 +373,14 @@ def verify_compound(problem: AlgebraicEquations, a: Sample, b: Sample, frame: Fr
         found.append(multiple)
     elif corank >= 1:
         found.append(_branch_point(problem, local, y, frame, corank, tangent))
-    elif a.tests[0] * b.tests[0] < 0.0:
+    elif opposite(a.tests[0], b.tests[0]):
         found.append(_fold(problem, local, y, frame))
-    if a.tests[3] * b.tests[3] < 0.0:
-        flip = defining.eigenvalue_at(local, y, -2.0)
-        found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
+    flips = int(np.sum(np.abs(eigenvalues_of(problem, y * frame.scale) + 1.0) < CRITICAL)) if problem.is_map else 0
+    together = _flip(problem, local, y, frame, flips) if flips > 1 else NOTHING
+    if isinstance(together, Verified):
+        found.append(together)
+    elif opposite(a.tests[3], b.tests[3]):
+        found.append(_flip(problem, local, y, frame, 1))
     for pair, count in _pairs_on_boundary(*spectrum(problem.linear_part(y * frame.scale)), problem.is_map):
         found.append(_crossing_pair(problem, local, y, frame, pair, tangent, count))
     return with_hopf_points_told(found, frame.scale)

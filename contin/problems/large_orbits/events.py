@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import critical_index, stay_outside
 from contin.problems.large_orbits.normal_form import with_normal_form
@@ -24,7 +24,7 @@ WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus
 
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Types that account for the changes between two orbits; None: more than one."""
-    fold, _, pairs, turned, one = (bool(x) for x in a.tests * b.tests < 0.0)
+    fold, _, pairs, turned, one = (bool(x) for x in opposite(a.tests, b.tests))
     moved = abs(b.unstable - a.unstable)
     seen = fold + pairs + turned
     if moved == 0 and not seen and not one:

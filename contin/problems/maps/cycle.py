@@ -336,4 +336,5 @@ def lifted(seed: Seed, symmetries: tuple[str, ...] | None = None) -> Seed:
     return replace(
         seed, problem=problem, z=problem.lift(seed.z), direction=d, curvature=c - float(c @ d) * d, scale=scale,
         symmetries=seed.symmetries if symmetries is None else symmetries,
+        beside={arm: problem.lift(at) for arm, at in seed.beside.items()},
     )  # fmt: skip

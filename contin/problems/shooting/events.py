@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.equilibria.special_points import nearest_pair
@@ -119,7 +119,7 @@ def _repeats(problem: ShotEquations, sample: Sample) -> bool:
 def verify_compound(problem: ShotEquations, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Outcome] = []
-    folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    folds, branches, pairs, flips = (bool(x) for x in opposite(a.tests, b.tests))
     together = pairs and _repeats(problem, a)
     if branches or (a.unstable != b.unstable and not (folds or flips) and (together or not pairs)):
         found.append(verify(problem, "BPC", a, frame))

@@ -18,10 +18,11 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
 from contin.linalg.bordered import Solver
+from contin.linalg.linear import Linear
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.normalforms.jet import DerivativeJet
-from contin.normalforms.multiple import multiple_directions
+from contin.normalforms.multiple import multiple_directions, require_countable
 from contin.normalforms.reduction import Reduction
 from contin.problems.sparse.forms import rounding_errors
 from contin.problems.sparse.reduced_equation import border_rows
@@ -84,9 +85,14 @@ class Kernel:
             raise NotFiniteError("the Jacobian is not finite near this point")
         columns = np.column_stack([self.columns, self.problem.parameter_slope(z)])
         corner = np.column_stack([np.zeros((self.k + 1, self.k)), self.rows[-1]])
+        return self.bordered(linear, columns, self.rows[:-1], corner)
+
+    @staticmethod
+    def bordered(linear: Linear, columns: Vector, rows: Vector, corner: Vector) -> Solver:
+        """[A B; C^T D], regular where A has a kernel of any dimension."""
         if linear.matrix is not None:
-            return Assembled(linear.matrix, columns, self.rows[:-1], corner)
-        return linear.bordered(columns, self.rows[:-1], corner)  # type: ignore[return-value]
+            return Assembled(linear.matrix, columns, rows, corner)
+        return linear.bordered(columns, rows, corner)  # type: ignore[return-value]
 
     def solve(self, solver: Solver, f: Array, g: Array) -> tuple[Array, Array]:
         """(z part (n + 1,), mu part (k,)) of K^-1 (f, g)."""
@@ -214,7 +220,8 @@ class ReducedJet:
         )  # fmt: skip
 
     def branches(self) -> list[tuple[Array, Array]]:
-        """z' and z'' (raw) of all branches through the point."""
+        """z' and z'' (raw) of all branches through the point.  Raises LargeKernelError."""
+        require_countable(self.kernel.k)
         _, along, _, bent = self._at
         found = []
         for d in multiple_directions(self.reduction):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.copies import kernel, rounding_of
 from contin.linalg.linear import Linear, fastest_rate
@@ -26,8 +26,10 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.normalforms.directions import any_branch_point
 from contin.normalforms.later import stated
+from contin.normalforms.multiple import LargeKernelError, require_countable
 from contin.problems.coinciding import SEVERAL_PAIRS, with_hopf_points_told
 from contin.problems.sparse import forms
+from contin.problems.sparse.kernel_coefficients import kernel_coefficients
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.reduced_equation import Reduced, border_rows
 from contin.problems.sparse.zero_on_curve import PERTURBATION, SAMPLES, At, zero_on_curve
@@ -49,7 +51,7 @@ def explain(a: Sample, b: Sample, factored: bool) -> tuple[str, ...] | None:
     The determinant changes sign with the parity of the count, except at folds. Without factors it is silent; with them
     it tells a fold, next to which the count may be one of rounding, from a branch that turns where it crosses another.
     """
-    fold, determinant, pairs, _ = (bool(x) for x in a.tests * b.tests < 0.0)
+    fold, determinant, pairs, _ = (bool(x) for x in opposite(a.tests, b.tests))
     moved = abs(b.unstable - a.unstable)
     odd = moved % 2 == 1
     if moved == 0 and not fold and not determinant:
@@ -73,7 +75,7 @@ def verify_compound(problem: LargeEquations, a: Sample, b: Sample, frame: Frame)
     found: list[Outcome] = []
     if problem.explain(a, b) == ("BP",):
         found.append(_branch_point(problem, a, frame))
-    elif a.tests[0] * b.tests[0] < 0.0:
+    elif opposite(a.tests[0], b.tests[0]):
         found.append(_fold(problem, a, frame))
     elif abs(a.unstable - b.unstable) > max(1, 2 * int(np.sum(_pairs_on_axis(a)))) and a.tests[2] * b.tests[2] > 0.0:
         found.append(_multiple(problem, a, frame, abs(a.unstable - b.unstable)))
@@ -247,12 +249,17 @@ def _vanishing(problem: LargeEquations, z: Array, values: NDArray[np.complex128]
 
 
 def kernel_at(problem: LargeEquations, z: Array, tangent: Array, scale: Array, k: int) -> Kernel:
-    """The reduction bordered by the k eigenvectors to the eigenvalues nearest to zero.  tangent : scaled."""
+    """The reduction bordered by the k eigenvectors to the eigenvalues nearest to zero.  tangent : scaled.
+
+    Beside the point they may be a complex pair, whose real and imaginary part become null vectors.
+    """
     spectrum = problem.spectrum(z, at_zero=True)
     nearest = np.argsort(np.abs(spectrum.values))[:k]
-    if len(nearest) < k or np.any(spectrum.values[nearest].imag != 0.0):
-        raise ArithmeticError(f"{k} real eigenvalues near zero were not found")
-    vectors = np.real(spectrum.vectors[:, nearest])
+    paired = np.sign(spectrum.values[nearest].imag)
+    if len(nearest) < k or np.sum(paired) != 0.0:
+        raise ArithmeticError(f"{k} eigenvalues near zero were not found")
+    chosen = spectrum.vectors[:, nearest]
+    vectors = np.where(paired < 0.0, np.imag(chosen), np.real(chosen))
     return Kernel.of(problem, z, kernel(linear_at(problem, z), vectors) if k > 1 else vectors, tangent, scale)
 
 
@@ -275,12 +282,23 @@ def _multiple(problem: LargeEquations, near: Sample, frame: Frame, k: int) -> Ou
     scatter = _scatter(z, frame.scale, again)
     spectrum = problem.spectrum(z, at_zero=True)
     others = np.delete(spectrum.values, np.argsort(np.abs(spectrum.values))[:k])
-    reduction_ = ReducedJet(kernel, z).reduction
-    form = any_branch_point(reduction_.jet, kernel=k, reduction=reduction_)
+    coefficients, remark = _reduced_equation(kernel, z)
     error = 4.0 * scatter + EPSILON * abs(float(z[-1])) + 3.0 * kernel.rounding(z)
     unstable = int(np.sum(others.real > 0.0))
-    coefficients = dict(form.coefficients) | ({"errors": stated(form.errors)} if form.errors else {})
-    return Verified("BP", z, residual, float(error), spectrum.values, unstable, coefficients, {"kernel": k})
+    vectors = {"kernel": k}
+    return Verified("BP", z, residual, float(error), spectrum.values, unstable, coefficients, vectors, remark=remark)
+
+
+def _reduced_equation(kernel: Kernel, z: Array) -> tuple[dict[str, object], str]:
+    """The coefficients at a branch point, and a remark where there are too many branches to look for."""
+    try:
+        require_countable(kernel.k)
+    except LargeKernelError as reason:
+        return {"kind": "multiple", "kernel": kernel.k}, f"BP: {reason}"
+    reduced = ReducedJet(kernel, z).reduction
+    form = any_branch_point(reduced.jet, kernel=kernel.k, reduction=reduced)
+    coefficients = dict(form.coefficients) | kernel_coefficients(kernel, z)
+    return coefficients | ({"errors": stated(form.errors)} if form.errors else {}), ""
 
 
 def tangents(problem: LargeEquations, z: Array, scale: Array) -> list[Array]:

@@ -78,3 +78,71 @@ def test_the_double_and_simple_modes_of_a_square_are_told_apart():
     for point, (eigenvalue, _) in zip(found, expected, strict=True):
         u = 1 + eigenvalue / 10
         assert abs(point.values["lam"] - u * np.exp(-u)) <= max(1e-10, 3 * point.error)
+
+
+def skewed(seed, kernel, sparse):
+    """x' = (c + lam) x + .3 lam D x + B(x, x) - x^3 with `kernel` zeros in c, in skewed coordinates of unlike units."""
+    g = np.random.default_rng(seed)
+    n = kernel + 2
+    turned = np.exp(g.uniform(-3, 3, n))[:, None] * (g.normal(size=(n, n)) + 2 * np.eye(n))
+    back = np.linalg.inv(turned)
+    c = np.append(np.zeros(kernel), -np.linspace(1, 3, n - kernel))
+    B, D = 0.3 * g.normal(size=(n, n, n)), 0.2 * g.normal(size=(n, n))
+    B = B + B.transpose(0, 2, 1)
+    if seed % 2:  # as a reflection of the kernel demands
+        B[:kernel, :kernel, :kernel] = 0.0
+
+    def residual(u, p):
+        x = back @ u
+        return turned @ ((c + p["lam"]) * x + 0.3 * p["lam"] * D @ x + np.einsum("ijk,j,k->i", B, x, x) - x**3)
+
+    def jacobian(u, p):
+        x = back @ u
+        inner = np.diag(c + p["lam"] - 3 * x**2) + 0.3 * p["lam"] * D + 2 * np.einsum("ijk,k->ij", B, x)
+        matrix = turned @ inner @ back
+        return sp.csc_matrix(matrix) if sparse else matrix
+
+    return contin.FunctionProblem(residual, np.zeros(n), {"lam": -0.2}, jacobian)
+
+
+@pytest.mark.parametrize(
+    ("seed", "kernel"), [(0, 2), (1, 3), *(pytest.param(s, 2 + s % 3, marks=pytest.mark.long) for s in range(2, 6))]
+)
+def test_the_reduced_equation_is_that_of_the_dense_problem_but_for_a_rotation_of_the_kernel(seed, kernel):
+    """Q is orthonormal in the user's units, <P, Q> = 1: what orthogonal changes of x leave alone must agree.
+
+    Beside the double point of seed 0 the two eigenvalues are a complex pair.
+    """
+    kept = []
+    for sparse in (False, True):
+        form = api.continuation(skewed(seed, kernel, sparse), "lam", (-0.2, 0.02))["BP1"].normal_form
+        T2, T3 = np.array(form["quadratic"]), np.array(form["cubic"])
+        assert T3.shape == (kernel,) * 4
+        contracted = np.einsum("aiij->aj", T3)
+        mixed = T2[:, :-1, -1]
+        sizes = [np.linalg.norm(t) for t in (T2, mixed, T3, contracted)]
+        kept.append([*sizes, np.trace(mixed), form["branches"]])
+    np.testing.assert_allclose(kept[1], kept[0], rtol=1e-10)
+
+
+def test_kernels_of_more_dimensions_than_branches_can_be_told_in_are_labels_with_a_note():
+    """Twelve cells coupled all to all: 2^11 branches, of which a search from random starts would state some number."""
+    n = 12
+
+    def residual(u, p):
+        return p["lam"] * u - 0.5 * u.sum() * np.ones(n) + u**2 - u**3
+
+    def jacobian(u, p):
+        return p["lam"] * np.eye(n) - 0.5 * np.ones((n, n)) + np.diag(2 * u - 3 * u**2)
+
+    for make in (np.asarray, sp.csc_matrix):
+        model = contin.FunctionProblem(
+            residual, np.zeros(n), {"lam": -0.2}, lambda u, p, make=make: make(jacobian(u, p))
+        )
+        branch = api.continuation(model, "lam", (-0.2, 0.1))
+        assert [point.vectors["kernel"] for point in branch.points] == [n - 1]
+        assert branch["BP1"].normal_form == {"kind": "multiple", "kernel": n - 1}
+        assert len(branch.notes) == 1
+        assert "not looked for" in branch.notes[0]
+        with pytest.raises(contin.ContinError, match="not looked for"):
+            branch["BP1"].switch()

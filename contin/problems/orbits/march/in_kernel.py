@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.sample import STOPS, Chunk, Frame, Sample, Stop
+from contin.continuation.sample import STOPS, Chunk, Frame, Sample, Stop, opposite
 from contin.continuation.settings import Settings
 from contin.kernels import collocation_march as kernel
 from contin.kernels.collocation_basis import basis
@@ -141,7 +141,7 @@ def _up_to_first_event(family: OrbitEquations, out: Rows, m: int, stop: Stop, fr
 
 
 def _differ(out: Rows, one: int, other: int) -> bool:
-    return bool(out.unstable[one] != out.unstable[other] or np.any(out.tests[one] * out.tests[other] < 0.0))
+    return bool(out.unstable[one] != out.unstable[other] or np.any(opposite(out.tests[one], out.tests[other])))
 
 
 def _measure(family: OrbitEquations, out: Rows, row: int, frame: Frame) -> None:

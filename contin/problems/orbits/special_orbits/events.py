@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
-from contin.continuation.sample import Frame, Sample
+from contin.continuation.sample import Frame, Sample, opposite
 from contin.machine import elementary
 from contin.problems.equilibria import special_points
 from contin.problems.orbits.ends.vertical import (
@@ -63,12 +63,12 @@ def explain(a: Sample, b: Sample, standing: bool = False, by_count: bool = True)
         counted = _explain_flat(a, b)
         if counted is not None and (by_count or counted == ()):
             return counted
-    if (a.tests[0] * b.tests[0] < 0.0) and (a.tests[1] * b.tests[1] < 0.0):
+    if opposite(a.tests[0], b.tests[0]) and opposite(a.tests[1], b.tests[1]):
         return None  # a fold and a branch point, or a pitchfork passed along its side branch: only up close one knows
     found = special_points.explain(True, a, b)
     if found is not None:
         return tuple(of_cycle(t) for t in found)
-    folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    folds, branches, pairs, flips = (bool(x) for x in opposite(a.tests, b.tests))
     moved = abs(a.unstable - b.unstable)
     lagging = min(distance_from_one(a.eigenvalues), distance_from_one(b.eigenvalues)) < UNRESOLVED
     if not (pairs or flips) and moved <= 2 and lagging:
@@ -90,7 +90,7 @@ def _explain_flat(a: Sample, b: Sample) -> tuple[str, ...] | None:
 def _explain_vertical(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Where all orbits exist at one parameter (a centre) both dp/ds and the distance of a multiplier from 1 are zero up
     to rounding."""
-    branches, pairs, flips = (bool(x) for x in a.tests[1:] * b.tests[1:] < 0.0)
+    branches, pairs, flips = (bool(x) for x in opposite(a.tests[1:], b.tests[1:]))
     if len(a.eigenvalues) > 2 and is_reciprocal(a.eigenvalues) and is_reciprocal(b.eigenvalues):
         return ("BPC",) * branches + ("PD",) * flips
     if pairs or flips or abs(a.unstable - b.unstable) > 1:
@@ -204,7 +204,7 @@ def _at_rest(problem: OrbitEquations, z: Array, frame: Frame) -> bool:
 def verify_compound(problem: OrbitEquations, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Outcome] = []
-    folds, branches, _, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    folds, branches, _, flips = (bool(x) for x in opposite(a.tests, b.tests))
     if branches:
         found.append(verify(problem, "BPC", a, frame))
     elif folds:
