@@ -32,7 +32,7 @@ from contin.continuation.gone_over_on_meshes import gone_over_on_meshes
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
-from contin.continuation.position import position
+from contin.continuation.position import elsewhere, position
 from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.rows import Rows
 from contin.continuation.sample import Frame, Sample
@@ -349,13 +349,11 @@ def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:
 
 
 def _distinct(notes: list[str]) -> tuple[str, ...]:
-    """One note of each kind (the text before ' near '), with how often it was made."""
+    """One note of each kind (the text before ' near '), with the number of other places."""
     kinds: dict[str, list[str]] = {}
-    for note in notes:
+    for note in dict.fromkeys(notes):
         kinds.setdefault(note.split(" near ")[0], []).append(note)
-    return tuple(
-        same[0] if len(same) == 1 else f"{same[0]} and at {len(same) - 1} more places" for same in kinds.values()
-    )
+    return tuple(same[0] + elsewhere(len(same) - 1) for same in kinds.values())
 
 
 def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, NDArray[np.complex128]]:

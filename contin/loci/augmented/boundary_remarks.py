@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.position import position
+from contin.continuation.position import elsewhere, position
 from contin.continuation.problem import Problem
 from contin.loci.augmented import kernels_of_two
 from contin.loci.tolerances import FORCED_AT_POINTS
@@ -28,7 +28,7 @@ def remarks_on(base: SingularSolutions, curve: Problem, z: Array) -> list[str]:
         found.append(UNFORCED)
     rows = kernels_of_two.passed(base, z)
     if rows:
-        more = f" and at {len(rows) - 1} more places" if len(rows) > 1 else ""
+        more = elsewhere(len(rows) - 1)
         found.append(
             f"the kernel of the linearised problem has two dimensions near {position(curve, z[rows[0]])}{more}: "
             f"other curves of {base.type} or of branch points pass there; no label tells of it"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome
-from contin.continuation.position import position
+from contin.continuation.position import elsewhere, position
 from contin.continuation.sample import STOPS, Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
@@ -288,7 +288,7 @@ class LocusProblem(CurveOfPoints):
         rows = timeless.where_two_vanish(np.array([self.curve.matrix(row) * d / d[:, None] for row in z]))
         if not rows:
             return []
-        more = f" and at {len(rows) - 1} more places" if len(rows) > 1 else ""
+        more = elsewhere(len(rows) - 1)
         return [
             f"the kernel of F_u has two dimensions near {position(self, z[rows[0]])}{more}: other curves of "
             f"{self.locus} or of branch points pass there; no label tells of it"
