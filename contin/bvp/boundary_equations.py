@@ -76,7 +76,7 @@ class BoundaryEquations(Problem):
         scheme, system = basis(self.points), self.two.system
         return Equations(
             system.value_address, system.jacobian_address, self.two.period.address, 1, self.n, self.points, self.active,
-            scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(self.n),
+            scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(self.n), self.state_periods,
         )  # fmt: skip
 
     @cached_property

@@ -33,9 +33,10 @@ Equations = namedtuple(
         "gauss",
         "weights",
         "winding",  # (n,) what angles gain in one period
+        "periods",  # (n,) of angles; 0 of other states
     ],
 )
-structure(Equations, "i, i, i, i, i, i, i, f2, f2, f1, f1, f1")
+structure(Equations, "i, i, i, i, i, i, i, f2, f2, f1, f1, f1, f1")
 
 Points = namedtuple(
     "Points",

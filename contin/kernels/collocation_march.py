@@ -170,7 +170,7 @@ def settled(e, w, s, x, here, sign, scale, sizes, tolerance):
     nodes = size - 2 - x.density.size
     stays = kept(z, here, sign, distance(z, here[0], scale), tolerance)
     set_phase(e, w, z, sizes)
-    return 0 if stays or x.sizes[2] > STALE * min(1.0, extent(z, e.n, nodes // e.n, sizes)[0]) else sign
+    return 0 if stays or x.sizes[2] > STALE * min(1.0, extent(z, e.n, nodes // e.n, sizes, e.periods)[0]) else sign
 
 
 @kernel("Equations, Points, Factors, Scratch -> f")
@@ -247,9 +247,12 @@ def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, 
     return map_tests(x.re, x.im, tests)
 
 
-@kernel("f1, i, i, f1 -> (f, f)")
-def extent(z, n, count, sizes):
-    """Largest max - min, and largest modulus, of a state over the orbit, relative to its size."""
+@kernel("f1, i, i, f1, f1 -> (f, f)")
+def extent(z, n, count, sizes, periods):
+    """Largest max - min, and largest modulus but of angles, of a state over the orbit, relative to its size.
+
+    An angle's size is that of its period, however many turns an orbit makes.
+    """
     swing = 0.0
     largest = 0.0
     for k in range(n):
@@ -259,7 +262,8 @@ def extent(z, n, count, sizes):
             low = min(low, z[i * n + k])
             high = max(high, z[i * n + k])
         swing = max(swing, (high - low) / sizes[k])
-        largest = max(largest, max(high, -low) / sizes[k])
+        if periods[k] == 0.0:
+            largest = max(largest, max(high, -low) / sizes[k])
     return swing, largest
 
 
@@ -355,7 +359,7 @@ def follow(
     record(z, tests, out_z, out_tests, 0)
     out_unstable[0] = unstable
     out_error[0] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
-    swing, _ = extent(z, n, count, sizes)
+    swing, _ = extent(z, n, count, sizes, e.periods)
     strayed = 0
     for k in range(limit):
         row = k + 1
@@ -417,7 +421,7 @@ def follow(
         if loop_z.size == size and back_at_start(z, out_z[k], loop_z, loop_tangent, scale, h_used):
             return LOOP
         before = swing
-        swing, largest = extent(z, n, count, sizes)
+        swing, largest = extent(z, n, count, sizes, e.periods)
         if swing < before and swing < SHRINKING * max(h, h_used):
             return RESCALE
         if largest > OUTGROWN or z[count * n] > period_limit:

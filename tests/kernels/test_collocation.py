@@ -44,7 +44,7 @@ def random_problem(generator, n, m, intervals):
     """Equations, values at the Gauss points, and z of a made-up orbit: everything that the matrix is made of."""
     scheme = basis(m)
     e = Equations(
-        0, 0, 0, 1, n, m, 0, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(n)
+        0, 0, 0, 1, n, m, 0, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(n), np.zeros(n),
     )  # fmt: skip
     w = new_points(n, m, intervals, np.zeros(1))
     for values in (w.f, w.fu, w.fp, w.phase):

@@ -55,7 +55,7 @@ class OrbitEquations(FamilyOfOrbits):
         return Equations(
             self.system.value_address, self.system.jacobian_address, forcing, self.multiple, self.n, self.points,
             self.active, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights,
-            np.asarray(self.winding, dtype=float),
+            np.asarray(self.winding, dtype=float), np.array(self.state_periods, dtype=float),
         )  # fmt: skip
 
     def sizes(self, z: Array, scale: Array) -> Array:

@@ -1,6 +1,5 @@
 """Ends of families of orbits against systems where they are known."""
 
-from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -44,6 +43,30 @@ def test_rotations_end_at_one_saddle_whatever_sheet_of_the_angle_it_is_on():
     assert end.data["saddle"]["w"] == pytest.approx(0.0, abs=1e-9)
 
 
+def test_rotations_are_marched_many_rows_at_a_time_however_far_their_angle_turns(monkeypatch):
+    """An angle's size is that of its period: that a rotation goes beyond it is no reason to return after every row."""
+    model = Model(
+        "pendulum", states={"phi": {"value": 0, "period": "2*pi"}, "w": 3}, parameters={"I": 0.5, "g": 0.1},
+        equations={"phi": "w", "w": "I - sin(phi) - g*w"},
+    )  # fmt: skip
+    march, rows = OrbitProblem.march, []
+
+    def counted(*arguments, **options):
+        chunk = march(*arguments, **options)
+        rows.append(len(chunk) - 1)
+        return chunk
+
+    monkeypatch.setattr(OrbitProblem, "march", counted)
+    start = api.periodic_orbit(model, {"phi": 0.0, "w": 4.0})
+    family = api.continuation(start, "I", (0.3, 0.6))
+    work = family.columns["I"] * 2.0 * pi  # of the torque in a turn; that of friction is g times the integral of w^2
+    k = family.start_row
+    orbit = family.orbit(k)
+    friction = 0.1 * np.trapezoid(orbit.columns["w"] ** 2, orbit.t)
+    assert friction == pytest.approx(work[k], rel=1e-3)
+    assert sum(rows) >= 5 * len(rows), rows
+
+
 @pytest.mark.parametrize(("nearness", "reason"), [(3e-8, "homoclinic"), (1e-5, "corrector")])
 def test_a_corrector_that_fails_beside_a_homoclinic_orbit_names_it(monkeypatch, nearness, reason):
     """The damped pendulum again, its approach not recognised until the corrector fails, near the end or too early."""
@@ -57,7 +80,8 @@ def test_a_corrector_that_fails_beside_a_homoclinic_orbit_names_it(monkeypatch, 
 
     def failing(*arguments, **options):
         chunk = march(*arguments, **options)
-        return replace(chunk, stop=Stop.CORRECTOR) if chunk.z[-1, -1] < known + 0.6 * nearness else chunk
+        near = np.flatnonzero(chunk.z[:, -1] < known + 0.6 * nearness)
+        return chunk.cut(int(near[0]) + 1, Stop.CORRECTOR, chunk.next_step) if near.size else chunk
 
     monkeypatch.setattr(OrbitProblem, "march", failing)
     monkeypatch.setattr(ends, "diverged", lambda *a, failed=False: recognise(*a, failed=True) if failed else None)

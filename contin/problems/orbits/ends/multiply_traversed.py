@@ -89,7 +89,7 @@ def times_traversed(problem: OrbitEquations, z: Array, before: Array, step: floa
     possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
     winding = np.asarray(problem.winding, dtype=float)
     if winding.any():  # a part of it must be a whole number of turns of every angle
-        angles = np.asarray(problem.system.model.periods())[: len(winding)]
+        angles = problem.state_periods[: len(winding)]
         possible = [parts for parts in possible if _are_whole(winding[winding != 0.0] / parts, angles[winding != 0.0])]
     if not possible:
         return 1
