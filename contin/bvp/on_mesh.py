@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
     from contin.bvp.boundary_equations import BoundaryEquations
+
+KEPT: Final = 3  # points whose equations are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ class OnMesh:
     problem: BoundaryEquations
     h: Array
     factoriser: Factoriser = field(default_factory=Factoriser)
-    _last: Evaluated | None = None
+    _known: tuple[Evaluated, ...] = ()  # the last ones: a point is asked for again after its neighbours
 
     @property
     def n(self) -> int:
@@ -74,9 +76,13 @@ class OnMesh:
 
     def at(self, x: Array) -> Evaluated | None:
         """None where something is not finite."""
-        if self._last is None or not np.array_equal(self._last.x, x):
-            self._last = self._evaluate(x) if np.all(np.isfinite(x)) else None
-        return self._last
+        for known in self._known:
+            if np.array_equal(known.x, x):
+                return known
+        found = self._evaluate(x) if np.all(np.isfinite(x)) else None
+        if found is not None:
+            self._known = (found, *self._known[: KEPT - 1])
+        return found
 
     def residual(self, x: Array) -> Array:
         """F (n,), unscaled; NaN where it is not finite."""

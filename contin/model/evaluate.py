@@ -7,10 +7,11 @@ negative number gives NaN. Conditions have the values True and False.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from contin.machine import elementary
 from contin.model.expression import COMPARISONS, Expression, postorder
@@ -32,32 +33,61 @@ def evaluate(expression: Expression, env: Record, lib: object = math) -> Value:
 
 def evaluate_all(expressions: Iterable[Expression], env: Record, lib: object = math) -> list[Value]:
     """Values of several expressions; what they share is computed once. O(nodes)."""
-    roots = list(expressions)
-    values = node_values(roots, env, lib)
-    return [values[root] for root in roots]
+    roots = tuple(expressions)
+    values = _values(roots, env, lib)
+    places = _steps(roots).places
+    return [values[places[root]] for root in roots]
 
 
 def node_values(roots: Iterable[Expression], env: Record, lib: Any = math) -> dict[Expression, Value]:
     """Value of every node below `roots`."""
-    arithmetic = _Arithmetic(lib)
-    values: dict[Expression, Value] = {}
-    for node in _order(tuple(roots)):
-        op = node.op
-        if op == "symbol":
-            values[node] = env[str(node.value)]
-        elif op == "number":
-            values[node] = arithmetic.constant(node.value)
-        elif op == "pi":
-            values[node] = +lib.pi
-        else:
-            values[node] = arithmetic.apply(op, [values[a] for a in node.args])
-    return values
+    roots = tuple(roots)
+    return dict(zip(_steps(roots).places, _values(roots, env, lib), strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class _Steps:
+    """Every node below some roots, operands before their users: kind, its own value, the places of its operands."""
+
+    each: tuple[tuple[str, Any, tuple[int, ...]], ...]
+    places: Mapping[Expression, int]
 
 
 @lru_cache(maxsize=256)
-def _order(roots: tuple[Expression, ...]) -> tuple[Expression, ...]:
-    """Formulas that are evaluated are evaluated again."""
-    return tuple(postorder(roots))
+def _steps(roots: tuple[Expression, ...]) -> _Steps:
+    """Formulas that are evaluated are evaluated again. Numbers are told as doubles beside what they are."""
+    order = postorder(roots)
+    places = {node: k for k, node in enumerate(order)}
+    return _Steps(tuple((node.op, _own(node), tuple(places[a] for a in node.args)) for node in order), places)
+
+
+def _own(node: Expression) -> Any:
+    """A symbol's name; of a number its value, and that as a double (None: too large for one)."""
+    if node.op == "symbol":
+        return str(node.value)
+    if node.op != "number":
+        return None
+    try:
+        return node.value, float(cast(Any, node.value))
+    except OverflowError:
+        return node.value, None
+
+
+def _values(roots: tuple[Expression, ...], env: Record, lib: Any) -> list[Value]:
+    """Of every node, in the order of `_steps`."""
+    arithmetic = _Arithmetic(lib)
+    doubles = arithmetic.real is float
+    values: list[Value] = []
+    for op, own, operands in _steps(roots).each:
+        if op == "symbol":
+            values.append(env[own])
+        elif op == "number":
+            values.append(own[1] if doubles and own[1] is not None else arithmetic.constant(own[0]))
+        elif op == "pi":
+            values.append(+lib.pi)
+        else:
+            values.append(arithmetic.apply(op, [values[k] for k in operands]))
+    return values
 
 
 class _Arithmetic:
@@ -70,9 +100,7 @@ class _Arithmetic:
         self.inf = self.real("inf")
 
     def constant(self, value: object) -> Value:
-        if isinstance(value, Fraction):
-            if self.real is float:
-                return float(value)
+        if isinstance(value, Fraction) and self.real is not float:
             return self.real(value.numerator) / value.denominator
         return self.real(value)
 

@@ -45,6 +45,9 @@ class DenseInOneParameter(InOneParameter, Protocol):
     def linear_part(self, z: Array) -> Array:
         """(n, n)"""
 
+    def linear_parts(self, z: Array) -> Array:
+        """The same at rows z, (m, n, n)."""
+
 
 class Probing(Protocol):
     """A curve of which single points can be asked for."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from cmath import isfinite
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
@@ -25,6 +25,7 @@ from contin.model.kept import kept_with
 from contin.problems.dense_march import DenseMarch
 
 if TYPE_CHECKING:
+    from contin.continuation.sample import Sample
     from contin.problems.contracts import DenseInOneParameter
     from contin.problems.equilibria.equations import AlgebraicEquations
     from contin.problems.orbits.family import FamilyOfOrbits
@@ -75,10 +76,10 @@ def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Arr
     Of rounding in the formulas and in the eigenvalues themselves, and of what f_u changes by on the way to the solution
     next to z: Newton's method leaves a distance of |J^-1 f|.
     """
-    matrix = problem.linear_part(z)
     shift = STEP * scale * _alternating(len(z))
-    rounding = np.abs(problem.linear_part(z + shift) - 2.0 * matrix + problem.linear_part(z - shift))
-    rounding += np.abs(problem.linear_part(z + _to_solution(problem, z, scale)) - matrix)
+    step = _to_solution(*problem.linearise(z), scale)
+    matrix, after, before, there = problem.linear_parts(np.array([z, z + shift, z - shift, z + step]))
+    rounding = np.abs(after - 2.0 * matrix + before) + np.abs(there - matrix)
     balanced = scale[:-1] / scale[0]
     if np.all(np.isfinite(matrix)):
         # as QR does, whose errors are meant
@@ -103,12 +104,11 @@ def _alternating(size: int) -> Array:
     return np.where(np.arange(size) % 2, -1.0, 1.0)
 
 
-def _to_solution(problem: DenseInOneParameter, z: Array, scale: Array) -> Array:
-    """The shortest Newton step from z to the curve, (n + 1,); zero where there is none."""
-    f, jacobian = problem.linearise(z)
+def _to_solution(f: Array, jacobian: Array, scale: Array) -> Array:
+    """The shortest Newton step to the curve, (n + 1,), from F and its Jacobian; zero where there is none."""
     rows = np.abs(jacobian * scale).max(axis=1)
     if not (np.all(np.isfinite(f)) and np.all(np.isfinite(rows)) and np.all(rows > 0.0)):
-        return np.zeros(len(z))
+        return np.zeros(len(scale))
     return np.asarray(scale * np.linalg.lstsq(jacobian * scale / rows[:, None], -f / rows, rcond=None)[0])
 
 
@@ -168,6 +168,11 @@ class NeutralMarch(DenseMarch):
             values = paired(values, errors_of(self.problem, z, values, self.scale), by_multipliers)
         count, tests = count_and_tests(values, by_multipliers, rates)
         return tests[2:], count, values
+
+    def counted(self, sample: Sample) -> Sample:
+        """A point that the compiled march has found, with the tests and eigenvalues of this one."""
+        tests, unstable, values = self.stability(sample.z)
+        return replace(sample, tests=np.concatenate([sample.tests[:2], tests]), unstable=unstable, eigenvalues=values)
 
 
 def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Protocol
 
@@ -10,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contin.abi import Array, Vector
+
+Subset = tuple[int, ...]  # of the directions, by their places
 
 
 class Steps(Protocol):
@@ -25,6 +28,9 @@ class Steps(Protocol):
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k f along k directions (n + m,), (n,)."""
+
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
+        """The same at N points, (N, n): u (N, n), p (N, m), directions (N, n + m)."""
 
 
 def slope_of_iterate(steps: Steps, times: int, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
@@ -55,19 +61,37 @@ def form_of_iterate(
     (Faa di Bruno), carried for all subsets of the directions at once.
     """
     given = [np.asarray(d) for d in directions]
-    subsets, n = _subsets(len(given)), steps.n
-    known: dict[tuple[int, ...], Vector] = {s: given[s[0]] if len(s) == 1 else np.zeros(n + steps.m) for s in subsets}
+    terms, n = _terms(len(given)), steps.n
+    known: dict[Subset, Vector] = {s: given[s[0]] if len(s) == 1 else np.zeros(n + steps.m) for s in terms.subsets}
     for x, matrix in path:
-        fresh: dict[tuple[int, ...], Vector] = {}
-        for s in subsets:
+        added = _added(steps, terms, x, np.asarray(p, dtype=float), known)
+        fresh: dict[Subset, Vector] = {}
+        for s in terms.subsets:
             total: Vector = matrix @ known[s]
-            for blocks in _partitions(s):
-                if len(blocks) > 1:
-                    total = total + steps.derivative(x, p, *(known[b] for b in blocks))
-            parameters = known[s][n:]  # they pass through every step
-            fresh[s] = np.concatenate([total, parameters])
+            for value in added[s]:
+                total = total + value
+            fresh[s] = np.concatenate([total, known[s][n:]])  # parameters pass through every step
         known = fresh
-    return known[tuple(range(len(given)))][:n]
+    return known[terms.subsets[-1]][:n]
+
+
+def _added(
+    steps: Steps, terms: _Terms, x: Array, p: Array, known: dict[Subset, Vector]
+) -> dict[Subset, list[Vector]]:  # fmt: skip
+    """D^r f [D g[block], ...] for the partitions of every subset into r >= 2 blocks, in their order."""
+    added: dict[Subset, list[Vector]] = {s: [] for s in terms.subsets}
+    is_real = all(v.dtype.kind != "c" for v in known.values())
+    for order, wanted in terms.by_order.items():
+        values: Iterable[Vector]
+        if is_real and len(wanted) > 1:
+            rows = [np.array([known[blocks[k]] for _, blocks in wanted]) for k in range(order)]
+            points, others = (np.repeat(a[None], len(wanted), axis=0) for a in (x, p))
+            values = steps.derivatives(points, others, *rows)
+        else:
+            values = (steps.derivative(x, p, *(known[b] for b in blocks)) for _, blocks in wanted)
+        for (s, _), value in zip(wanted, values, strict=True):
+            added[s].append(value)
+    return added
 
 
 def after(matrix: Vector, slope: Array) -> Vector:
@@ -79,10 +103,20 @@ def after(matrix: Vector, slope: Array) -> Vector:
     return result
 
 
+@dataclass(frozen=True, eq=False)
+class _Terms:
+    """Non-empty subsets of 0 .. k - 1, the whole set last, and their partitions by the number of blocks."""
+
+    subsets: list[Subset]
+    by_order: dict[int, list[tuple[Subset, list[Subset]]]]
+
+
 @cache
-def _subsets(count: int) -> list[tuple[int, ...]]:
-    """Non-empty subsets of 0 .. count - 1, the whole set included."""
-    return [tuple(i for i in range(count) if mask >> i & 1) for mask in range(1, 1 << count)]
+def _terms(count: int) -> _Terms:
+    subsets = [tuple(i for i in range(count) if mask >> i & 1) for mask in range(1, 1 << count)]
+    each = [(s, blocks) for s in subsets for blocks in _partitions(s)]
+    orders = range(2, count + 1)
+    return _Terms(subsets, {order: [pair for pair in each if len(pair[1]) == order] for order in orders})
 
 
 @cache

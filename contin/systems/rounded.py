@@ -52,6 +52,11 @@ class RoundedMap:
         form: Vector = self.base.derivative(u, p, *directions)
         return np.multiply(form, 1.0 + ROUNDING * self._signs(seed, self.n))
 
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
+        forms: Vector = self.base.derivatives(u, p, *directions)
+        seeds = (b"".join(part.tobytes() for part in row) for row in zip(u, *directions, strict=True))
+        return np.multiply(forms, 1.0 + ROUNDING * np.array([self._signs(seed, self.n) for seed in seeds]))
+
     def start(self, u: ArrayLike) -> Array:
         """A point of a cycle that is known to rounding."""
         x = np.array(u, dtype=float)
@@ -62,8 +67,8 @@ class RoundedMap:
     def _signs(self, seed: bytes, count: int) -> Array:
         """+-1 at random, the same for the same seed."""
         bits = np.unpackbits(np.frombuffer(crc32(seed, self.number).to_bytes(4, "little"), np.uint8))
-        signs: Array = np.resize(2.0 * bits - 1.0, count)
-        return signs
+        signs: Array = np.asarray(2.0 * bits - 1.0, dtype=np.float64)
+        return signs[:count] if count <= len(signs) else np.resize(signs, count)
 
 
 @dataclass(frozen=True, eq=False)

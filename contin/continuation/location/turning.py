@@ -59,7 +59,8 @@ def _all_of(extremum: Extremum, stretch: Stretch, a: Sample, b: Sample) -> list[
     before = [s for s in stretch.several(near, a, NEXT) if s is not None][::-1]
     after = [s for s in stretch.several(near, b, NEXT) if s is not None]
     samples = [a, *before, *after, b]
-    rising = np.array([extremum.slope(stretch, sample) for sample in samples]) > 0.0
+    z, tangents = (np.array(rows) for rows in zip(*((s.z, s.tangent) for s in samples), strict=True))
+    rising = extremum.slopes(stretch.problem, z, tangents, stretch.frame.scale) > 0.0
     if a is near or b is near:  # the slope vanishes at a row
         rising[0 if a is near else -1] = rising[1 if a is near else -2]
     ends = np.flatnonzero(rising[1:] != rising[:-1]).tolist()  # of runs with one sign

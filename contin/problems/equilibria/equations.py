@@ -88,3 +88,10 @@ class AlgebraicEquations(InOneParameterProblem):
                 return self.system.state_jacobian(np.array(z[:-1]), self.full_parameters(z))
         _, matrix = self.linearise(z)
         return matrix[:, : self.n] + (np.eye(self.n) if self.is_map else 0.0)
+
+    def linear_parts(self, z: Array) -> Array:
+        """`linear_part` at rows z (m, n + 1): (m, n, n)."""
+        if isinstance(self.system, FunctionSystem):
+            return np.array([self.linear_part(row) for row in z])
+        _, matrices = self.linearised(z)
+        return matrices[:, :, : self.n] + (np.eye(self.n) if self.is_map else 0.0)

@@ -182,28 +182,32 @@ class EquilibriumProblem(AlgebraicEquations):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if self.system.jacobian_address == NO_FUNCTION:
             return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
-        if is_neutral(self, base.z, base.eigenvalues, frame.scale):
-            return python_march.probe(NeutralMarch(self, frame.scale), base, length, guess, frame, settings)
-
-        return in_kernel.probes(self, base, np.array([length]), guess[None].copy(), frame, settings)[0]
+        return self.probes(base, np.array([length]), guess[None].copy(), frame, settings)[0]
 
     def probes(
         self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
     ) -> Sequence[Sample | None]:
         """`probe` at several lengths, from the rows of `guesses`."""
-        compiled = self.system.jacobian_address != NO_FUNCTION
-        if compiled and not is_neutral(self, base.z, base.eigenvalues, frame.scale):
-            return in_kernel.probes(self, base, lengths, guesses, frame, settings)
-        return [self.probe(base, *place, frame, settings) for place in zip(lengths.tolist(), guesses, strict=True)]
+        if self.system.jacobian_address == NO_FUNCTION:
+            places = zip(lengths.tolist(), guesses, strict=True)
+            return [self.probe(base, *place, frame, settings) for place in places]
+        return self._counted_anew(base, in_kernel.probes(self, base, lengths, guesses, frame, settings), frame.scale)
+
+    def _counted_anew(self, base: Sample, found: Sequence[Sample | None], scale: Array) -> Sequence[Sample | None]:
+        """Points that the kernel has found, with tests of exact pairs where there are such at their base."""
+        if not is_neutral(self, base.z, base.eigenvalues, scale):
+            return found
+        march = NeutralMarch(self, scale)
+        return [None if sample is None else march.counted(sample) for sample in found]
 
     def points_between(
         self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
         frame: Frame, settings: Settings,
     ) -> Sequence[Sample | None] | None:  # fmt: skip
-        compiled = self.system.jacobian_address != NO_FUNCTION
-        if not compiled or is_neutral(self, base.z, base.eigenvalues, frame.scale):
+        if self.system.jacobian_address == NO_FUNCTION:
             return None
-        return in_kernel.points_between(self, base, ends, lengths, fractions, frame, settings)
+        found = in_kernel.points_between(self, base, ends, lengths, fractions, frame, settings)
+        return self._counted_anew(base, found, frame.scale)
 
     def tests_between(
         self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
