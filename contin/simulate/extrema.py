@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
 FINER: Final = 32  # samples between two samples, around an extreme one
+LEVELS: Final = 5  # looks, each so much finer
+GAINED: Final = 1e-9  # of a column's range: a look that has found no more at its end is the last one,
+FLAT: Final = 1e-9  # ... and so is the first one of a column that is constant to this part of its size
 ALIKE: Final = 0.5  # second differences of neighbours that differ by less are those of a smooth function
 
 
@@ -26,49 +29,82 @@ def extremes(values: Array) -> tuple[Array, Array]:
     return values.min(axis=0), values.max(axis=0)
 
 
-def extremes_between(values: Array, around: Callable[[int], Array]) -> tuple[Array, Array]:
-    """The same of a function of time: `around(row)` gives values of all columns, finer, between the row's neighbours.
+def extremes_between(t: Array, values: Array, at: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """The same of a function of time: `at(times)` gives values of all columns there, times (T,) ascending.
 
-    There the smooth ones take a parabola; what jumps or has a corner takes its largest sample. With 13 samples a turn
-    and 32 times as many around the extreme, a sine's error is below 1e-9 of its amplitude.
+    It is looked at finer between the neighbours of an extreme row, and again where that does not resolve it. There the
+    smooth ones take a parabola; what jumps or has a corner takes its largest sample. With 13 samples a turn and 32
+    times as many around the extreme, a sine's error is below 1e-9 of its amplitude.
     """
     smallest, largest = extremes(values)
-    finer: dict[int, Array] = {}
+    spread = largest - smallest
+    finer: dict[int, tuple[Array, Array]] = {}
     for column in range(values.shape[1]):
         for result, sign in ((smallest, -1.0), (largest, 1.0)):
             row = int(np.argmax(sign * values[:, column]))
             if row not in finer:
-                finer[row] = around(row)
-            found = sign * finer[row][:, column]
-            if len(found) and np.all(np.isfinite(found)):
-                result[column] = sign * max(sign * result[column], top(found))
+                finer[row] = _around(t, row, at)
+            best = _climbed(*finer[row], at, column, sign, sign * result[column], spread[column])
+            result[column] = sign * best
     return smallest, largest
+
+
+def _around(t: Array, row: int, at: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """Times between a row's neighbours, and values of all columns at those that can be computed."""
+    low, high = max(row - 1, 0), min(row + 1, len(t) - 1)
+    if not t[high] > t[low]:
+        return t[:0], np.empty((0, 0))
+    times = np.linspace(t[low], t[high], FINER * (high - low) + 1)[1:]
+    values = at(times)
+    return times[: len(values)], values
+
+
+def _climbed(
+    times: Array, values: Array, at: Callable[[Array], Array], column: int, sign: float, best: float, spread: float
+) -> float:  # fmt: skip
+    """The largest sign * value of a column near the largest of these, `best` without them."""
+    for _ in range(LEVELS):
+        seen = sign * values[:, column] if values.size else np.empty(0)
+        if not len(seen) or not np.all(np.isfinite(seen)):
+            return best
+        found, row = top(seen), int(np.argmax(seen))
+        gained, best = found - best, max(best, found)
+        beside = [seen[k] for k in (row - 1, row + 1) if 0 <= k < len(seen)]
+        rises = len(beside) == 2 or gained > GAINED * spread  # at an end the function may just end
+        if is_resolved(seen) or not rises or seen[row] in beside or not spread > FLAT * abs(best):
+            return best
+        times, values = _around(times, row, at)
+    return best
 
 
 def top(values: Array) -> float:
     """Largest of equally spaced values; between them by a parabola where the second differences say that it is one."""
     best = int(np.argmax(values))
-    if not 2 <= best <= len(values) - 3:
+    if not is_resolved(values):
         return float(values[best])
-    left, bend, right = np.diff(values[best - 2 : best + 3], 2).tolist()
-    if not (bend < 0.0 and max(abs(left - bend), abs(right - bend)) < ALIKE * abs(bend)):
-        return float(values[best])
+    bend = float(np.diff(values[best - 1 : best + 2], 2)[0])
     slope = 0.5 * float(values[best + 1] - values[best - 1])
     return float(float(values[best]) - 0.5 * slope * slope / bend)
 
 
-def trajectory_around(
-    system: CompiledSystem, p: Array, t: Array, states: Array, rtol: float, atol: Array
-) -> Callable[[int], Array]:
-    """`around` for `extremes_between`: the observables on the trajectory through a row's neighbours."""
+def is_resolved(values: Array) -> bool:
+    """True where the largest of equally spaced values lies on a parabola with its neighbours."""
+    best = int(np.argmax(values))
+    if not 2 <= best <= len(values) - 3:
+        return False
+    left, bend, right = np.diff(values[best - 2 : best + 3], 2).tolist()
+    return bool(bend < 0.0 and max(abs(left - bend), abs(right - bend)) < ALIKE * abs(bend))
 
-    def around(row: int) -> Array:
-        low, high = max(row - 1, 0), min(row + 1, len(t) - 1)
-        times = np.linspace(t[low], t[high], FINER * (high - low) + 1)[1:]
-        span = float(t[high] - t[low])
-        if not span > 0.0:
-            return np.empty((0, len(system.observable_names)))
-        flight = fly(system, states[low], p, span, start=float(t[low]), times=times, rtol=rtol, atol=atol)
+
+def on_trajectory(
+    system: CompiledSystem, p: Array, t: Array, states: Array, rtol: float, atol: Array
+) -> Callable[[Array], Array]:
+    """`at` for `extremes_between`: the observables on the trajectory through samples t (K,), states (K, n)."""
+
+    def at(times: Array) -> Array:
+        row = max(int(np.searchsorted(t, times[0], side="right")) - 1, 0)
+        span, start = float(times[-1] - t[row]), float(t[row])
+        flight = fly(system, states[row], p, span, start=start, times=times, rtol=rtol, atol=atol)
         return observed(system, flight.u, p, flight.t)
 
-    return around
+    return at

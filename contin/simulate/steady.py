@@ -20,7 +20,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.simulate.between_samples import resolved
-from contin.simulate.extrema import extremes, extremes_between, trajectory_around
+from contin.simulate.extrema import extremes, extremes_between, on_trajectory
 from contin.simulate.flight import fly
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.reach import left_reach
@@ -204,8 +204,8 @@ def _seen_between(
 ) -> tuple[Array, Array]:
     """Extremes of a flow's observables, (k,) each, between the samples too."""
     t, states = resolved(system, p, last.t, last.states, rtol, errors)
-    around = trajectory_around(system, p, t, states, rtol, errors)
-    low, high = extremes_between(observed(system, states, p, t), around)
+    at = on_trajectory(system, p, t, states, rtol, errors)
+    low, high = extremes_between(t, observed(system, states, p, t), at)
     smallest, largest = extremes(last.values)
     return np.minimum(low, smallest), np.maximum(high, largest)
 

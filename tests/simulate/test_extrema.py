@@ -33,10 +33,13 @@ def test_extremes_of_a_cycle_of_a_flow_lie_between_the_samples():
     model = Model(
         "stuart-landau", states={"x": 1, "y": 0.1}, parameters={"mu": 1, "w": 3},
         equations={"x": "mu*x - w*y - x*(x^2 + y^2)", "y": "w*x + mu*y - y*(x^2 + y^2)"},
-        observables={"side": "sign(x)", "peak": "exp(20*(x - 1))", "roof": "-abs(y)"},
+        observables={
+            "side": "sign(x)", "peak": "exp(20*(x - 1))", "roof": "-abs(y)",
+            "needle": "exp(-1e6*((x - 0.6*mu^0.5)^2 + (y - 0.8*mu^0.5)^2))",  # a thousandth of a turn wide
+        },
     )  # fmt: skip
     found = contin.sweep(
-        model, "mu", (1.0, 1.44), steps=1, down=False, measures={k: k for k in ("x", "side", "peak", "roof")}
+        model, "mu", (1.0, 1.44), steps=1, down=False, measures={k: k for k in ("x", "side", "peak", "roof", "needle")}
     ).columns
     assert found["x.max"] == pytest.approx([1.0, 1.2], rel=1e-8)
     assert found["x.min"] == pytest.approx([-1.0, -1.2], rel=1e-8)
@@ -44,7 +47,8 @@ def test_extremes_of_a_cycle_of_a_flow_lie_between_the_samples():
     assert found["side.max"].tolist() == [1.0, 1.0]
     assert found["side.min"].tolist() == [-1.0, -1.0]
     assert np.all(found["roof.max"] <= 0.0)
-    assert found["roof.max"] == pytest.approx([0.0, 0.0], abs=0.02)
+    assert found["roof.max"] == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert found["needle.max"] == pytest.approx([1.0, 1.0], abs=1e-5)
 
 
 @given(st.floats(-0.4, 0.4), st.floats(0.01, 0.3))

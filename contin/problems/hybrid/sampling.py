@@ -82,14 +82,12 @@ def _extremes(problem: CycleOfEvents, z: Array) -> tuple[Array, Array]:
         t = _times(problem, z, passage, flown)
         states = _states(problem, z, flown, t)
 
-        def around(row: int, flown: Flown = flown, t: Array = t, states: Array = states) -> Array:
-            first, last = max(row - 1, 0), min(row + 1, len(t) - 1)
-            span = t[last] - t[first]
-            wanted = np.linspace(0.0, span, FINER * (last - first) + 1)[1:]
-            nearby = _flown_states(problem, p, states[first], wanted)
-            return seen(_up_to_surface(problem, p, flown, t[first] + wanted, nearby))
+        def at(times: Array, flown: Flown = flown, t: Array = t, states: Array = states) -> Array:
+            row = max(int(np.searchsorted(t, times[0], side="right")) - 1, 0)
+            nearby = _flown_states(problem, p, states[row], times - t[row])
+            return seen(_up_to_surface(problem, p, flown, times, nearby))
 
-        found = extremes_between(seen(states), around)
+        found = extremes_between(t, seen(states), at)
         low, high = np.fmin(low, found[0]), np.fmax(high, found[1])
     ends = seen(np.array([f.after for f in passage.flown]))
     return np.fmin(low, ends.min(axis=0)), np.fmax(high, ends.max(axis=0))
