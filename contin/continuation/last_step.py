@@ -114,7 +114,7 @@ def resolve(
         segment = replace(segment, notes=(*notes, *step.notes), jumps=jumps, hiding=hiding + step.hiding)
         marked += [_row(f, chunk, scale) for f in step.found]
         if beginning:
-            hidden, more, untold = _at_beginning(course, chunk, frame, step.last if rows == 1 else chunk.sample(1))
+            hidden, more, untold = _at_beginning(course, chunk, frame, step.last)
             marked += hidden
             segment = replace(segment, notes=(*more, *segment.notes), hiding=segment.hiding + untold)
         if step.found and end is None:
@@ -318,10 +318,12 @@ def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]
     return {near for k in dips for near in ((k - 1, k) if forward else (k, min(k + 1, last)))}
 
 
-def _at_beginning(course: Course, chunk: Chunk, frame: Frame, first: Sample) -> tuple[list[Row], list[str], int]:
+def _at_beginning(course: Course, chunk: Chunk, frame: Frame, last: Sample) -> tuple[list[Row], list[str], int]:
     """What the first step hides behind tests that are low at the start; see `_in_steps`."""
     stretch = Stretch(course.problem, chunk.sample(0), frame, course.settings)
-    return _kept(course, frame, [(1, item) for item in after_start(stretch, first)])
+    rows = [*(chunk.sample(k) for k in range(1, min(len(chunk) - 1, 3))), last]
+    found = after_start(stretch, rows[0], rows[1] if len(rows) > 1 else None)
+    return _kept(course, frame, [(1, item) for item in found])
 
 
 def _in_steps(

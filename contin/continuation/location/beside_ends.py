@@ -17,25 +17,32 @@ from contin.continuation.curve import Stretch
 from contin.continuation.location.dips import dips, resolve_dip
 from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
+from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
 
 WITHIN: Final = (0.02, 0.1, 0.25, 0.5, 0.75)  # parts of the first step
+MANY: Final = 1000  # unknowns
 AHEAD: Final = 0.5  # cosine of the tangents at a point beyond an end and at the last row
 EXACT: Final = ("equilibrium", "fixed-point", "algebraic")  # kinds that are looked at beyond a bound for little
 
 
-def after_start(stretch: Stretch, first: Sample) -> Iterator[Found | Note]:
+def after_start(stretch: Stretch, first: Sample, second: Sample | None) -> Iterator[Found | Note]:
     """What lies between the start (`stretch.base`) and the first row behind a test that is low at the start.
 
-    No row before the start has made the first step shorter where a test changes fast: points within it are looked at.
+    Of many unknowns the second row, where there is one, has to say so, too: a point before the start costs a step.
+    Tests of points of codimension two are relative to their own terms, beside a zero only they change, and no row
+    before the start has made the first step shorter for that: points within it are looked at.
     """
     start = stretch.base
     if _changes(start, first) or not _may_dip(start, first):
         return
+    if len(start.z) > MANY and second is not None and not _falls(stretch, start, first, second):
+        return
     beyond = _on_from(stretch, start, -stretch.distance(start, first))
-    points = [s for s in (beyond, start, *stretch.several(start, first, WITHIN), first) if s is not None]
+    within = stretch.several(start, first, WITHIN) if in_two_parameters(stretch.problem) else ()
+    points = [s for s in (beyond, start, *within, first) if s is not None]
     found: list[Found | Note] = []
     for low, here, high in zip(points, points[1:], points[2:], strict=False):
         for test in dips(stretch, low, here, high):
@@ -74,7 +81,16 @@ def before_end(stretch: Stretch, earlier: Sample | None, last: Sample, marched: 
 def _may_dip(here: Sample, row: Sample) -> bool:
     """True where a test is lower here than at a row, with the same sign: the other side of it decides."""
     here_, row_ = here.tests, row.tests
-    return here_.shape == row_.shape and bool(np.any((here_ * row_ > 0.0) & (np.abs(here_) <= np.abs(row_))))
+    return here_.shape == row_.shape and bool(np.any((here_ * row_ > 0.0) & (np.abs(here_) < np.abs(row_))))
+
+
+def _falls(stretch: Stretch, start: Sample, first: Sample, second: Sample) -> bool:
+    """True where the parabola through three rows' values of a test falls in size behind the first of them."""
+    if not start.tests.shape == first.tests.shape == second.tests.shape:
+        return True
+    h, k = stretch.distance(start, first), stretch.distance(start, second)
+    a, b = (first.tests - start.tests) / h, (second.tests - start.tests) / k
+    return bool(np.any((a * k - b * h) / (k - h) * start.tests < 0.0)) if 0.0 < h < k else True
 
 
 def _changes(a: Sample, b: Sample) -> bool:
