@@ -18,7 +18,7 @@ from contin.continuation.location.dips import dips, resolve_dip
 from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
 from contin.continuation.problem import in_two_parameters
-from contin.continuation.sample import Sample
+from contin.continuation.sample import Sample, opposite
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
 
@@ -95,7 +95,7 @@ def _falls(stretch: Stretch, start: Sample, first: Sample, second: Sample) -> bo
 
 def _changes(a: Sample, b: Sample) -> bool:
     """True where a test changes its sign between two points, or the number of unstable eigenvalues does."""
-    return a.unstable != b.unstable or a.tests.shape != b.tests.shape or bool(np.any(a.tests * b.tests < 0.0))
+    return a.unstable != b.unstable or a.tests.shape != b.tests.shape or bool(np.any(opposite(a.tests, b.tests)))
 
 
 def _on_from(stretch: Stretch, row: Sample, length: float) -> Sample | None:
