@@ -20,6 +20,7 @@ UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes
 STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
 VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
 ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the rounding of one that is zero
+SHORT: Final = 1024  # unknowns: differences of all rows at once; longer ones row by row, in less memory
 NEXT: Final = 3  # rows: one or two that the corrector leaves between two branches are none of either
 
 
@@ -34,9 +35,13 @@ class Lengths:
 
     @classmethod
     def of(cls, y: Array, t: Array) -> Lengths:
-        ways = np.array([norm(y[far] - y[k]) for k, far in enumerate(_ahead(len(y)).tolist())])
+        far, slopes = _ahead(len(y)), t[:, -1:].copy()
+        if y.shape[1] <= SHORT:
+            steps, ways = np.linalg.norm(np.diff(y, axis=0), axis=1), np.linalg.norm(y[far] - y[:-1], axis=1)
+            return cls(np.linalg.norm(t, axis=1), steps, ways, slopes)
+        ways = np.array([norm(y[there] - y[k]) for k, there in enumerate(far.tolist())])
         steps = np.array([norm(b - a) for a, b in pairwise(y)])
-        return cls(np.array([norm(row) for row in t]), steps, ways, t[:, -1:].copy())
+        return cls(np.array([norm(row) for row in t]), steps, ways, slopes)
 
 
 def _ahead(rows: int) -> NDArray[np.intp]:

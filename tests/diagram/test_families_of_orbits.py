@@ -116,7 +116,7 @@ def test_the_time_of_a_budget_ends_a_family_that_would_go_on():
     assert len(full["start/HB1"]) > 1000
     began = time.perf_counter()
     diagram = api.diagram(
-        model, "p", (-1.0, 1e6), settings={"max_step": 1e-5, "steps": 10**8}, budget={"seconds": 1.0, "steps": 10**9}
+        model, "p", (-1.0, 1e6), settings={"max_step": 5e-5, "steps": 10**8}, budget={"seconds": 1.0, "steps": 10**9}
     )
     assert time.perf_counter() - began < 60.0
     end = diagram.branches[-1].ends[1]
