@@ -80,3 +80,12 @@ def test_a_corner_or_a_jump_elsewhere_is_passed(formula):
     branch = api.continuation(api.equilibrium(model), "p", (0.1, 1.0))
     assert branch.ends[1].reason == "bound"
     assert branch.columns["p"][-1] == 1.0
+
+
+def test_rows_beyond_a_jump_that_nothing_leads_to_do_not_belong_to_the_branch():
+    """Beyond p = 1/2 the solutions are 1/2 +- sqrt(p - 51/100): a step lands on them, and none lies next to x = p."""
+    model = contin.Model(
+        "gap", states={"x": 0.1}, parameters={"p": 0.1},
+        equations={"x": "(1 - heaviside(p - 0.5))*(p - x) + heaviside(p - 0.5)*(p - 0.51 - (x - 0.5)^2)"},
+    )  # fmt: skip
+    assert_ends_at(api.continuation(api.equilibrium(model), "p", (0.1, 1.0), settings={"step": 0.2}), 0.5)
