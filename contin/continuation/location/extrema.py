@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.location.found import Found, Note, where
 from contin.continuation.outcome import Verified
-from contin.continuation.problem import Problem
+from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot
@@ -127,14 +127,14 @@ class Extremum:
             return Note(where(stretch, near, f"EX not verified: {self.column} turns {NOT_ON_MESH}"))
         size = float(np.abs(self.values(problem, near.z[None]))[0])
         width += rounding / STEP / abs(bend) if bend != 0.0 else 0.0
-        rate = float(near.tangent[-1] * scale[-1])
         curvature, off = self._curvature(stretch, near, look, rounding, finer)
         kind = "maximum" if rising else "minimum"
         form = {"of": self.column, "kind": kind, "curvature": curvature, "errors": {"curvature": off}}
-        error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
-        error += self._moved_by_mesh(near, finer, bend)
+        places = (-1, problem.walls[-2][0] % len(near.z) - len(near.z)) if in_two_parameters(problem) else (-1,)
+        error, *second = [self._error(near, scale, finer, bend, width, k) for k in places]
         residual = abs(self.slope(stretch, near)) / max(size, float(np.abs(bend)), 1e-300)
-        point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
+        known = dict(zip(("second",), second, strict=False))
+        point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form, known)
         return Found(stretch.length_of(near), point, near)
 
     def _curvature(
@@ -155,9 +155,7 @@ class Extremum:
         least = 2.0 * rounding / (STEP * look.step) + TRUNCATED * abs(look.bend)
         return here, SAFETY * moved + abs(by_parameter(least, near, scale))
 
-    def _turns_on_mesh(
-        self, stretch: Stretch, finer: Finer | None, bend: float, ends: tuple[Sample, Sample]
-    ) -> bool:
+    def _turns_on_mesh(self, stretch: Stretch, finer: Finer | None, bend: float, ends: tuple[Sample, Sample]) -> bool:
         """True where the slope changes its sign on a finer mesh, too: beside its zero there, or between the ends."""
         if finer is None or bend == 0.0:
             return True
@@ -183,14 +181,20 @@ class Extremum:
             far.append(self.slope(Stretch(other, there, metric, stretch.settings), there) * bend > 0.0)
         return far == [False, True]
 
-    def _moved_by_mesh(self, near: Sample, finer: Finer | None, bend: float) -> float:
-        """How far the parameter of the extremum moves on a finer mesh; 0 where nothing is discretised."""
+    def _error(self, near: Sample, scale: Array, finer: Finer | None, bend: float, width: float, k: int) -> float:
+        """How well unknown k (a parameter, from the end) is known at an extremum that is known to `width`."""
+        rate, unit = abs(float(near.tangent[k] * scale[k])), float(scale[k])
+        error = width * rate + 0.5 * elementary.square(width) * unit + EPSILON * abs(float(near.z[k]))
+        return error + self._moved_by_mesh(near, finer, bend, k)
+
+    def _moved_by_mesh(self, near: Sample, finer: Finer | None, bend: float, k: int) -> float:
+        """How far unknown k of the extremum moves on a finer mesh; 0 where nothing is discretised."""
         if finer is None or bend == 0.0:
             return 0.0
         problem, sample, frame = finer
         slope = float(self.slopes(problem, sample.z[None], sample.tangent[None], frame.scale)[0])
-        ahead, rate = -slope / bend, abs(float(sample.tangent[-1]))
-        moved = abs(float(sample.z[-1] - near.z[-1])) + float(frame.scale[-1]) * abs(ahead) * (rate + 0.5 * abs(ahead))
+        ahead, rate = -slope / bend, abs(float(sample.tangent[k]))
+        moved = abs(float(sample.z[k] - near.z[k])) + float(frame.scale[k]) * abs(ahead) * (rate + 0.5 * abs(ahead))
         return SAFETY * moved
 
     def is_constant(self, problem: Problem, chunk: Chunk, rows: int, frame: Frame, settings: Settings) -> bool:

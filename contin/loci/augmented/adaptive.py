@@ -97,7 +97,9 @@ class AdaptiveCurve(AugmentedCurve):
         again = events.verify(self.corrected(sample.z).beside(sample.z, finer), type_, sample, finer)
         if not isinstance(again, Verified):
             return unverified(type_, "it is not there on a mesh of twice as many intervals")
-        return replace(found, error=found.error + ORDER * abs(float(again.z[-1] - found.z[-1])))
+        moved = ORDER * np.abs(again.z[[-1, -2]] - found.z[[-1, -2]])
+        known = {k: float(found.vectors[k]) + float(moved[1]) for k in ("second",) if k in found.vectors}
+        return replace(found, error=found.error + float(moved[0]), vectors={**found.vectors, **known})
 
     def end_at(self, point: Verified) -> End | None:
         if not point.vectors.get("mirrored"):
