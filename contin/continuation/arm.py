@@ -306,7 +306,8 @@ class Arm:
         with contained(errors.append):
             passing = self.retries == PASSING
             plain = self.plain and self.accepted == 0 and before is None
-            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing, plain)
+            ending = self.accepted + len(chunk) - 1 >= self.course.settings.steps
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing, plain, ending)
         if not errors:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)

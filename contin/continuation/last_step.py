@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.location.back_at_start import back_at_start
-from contin.continuation.location.beside_ends import after_start, before_end
+from contin.continuation.location.beside_ends import after_start, before_end, before_last
 from contin.continuation.location.bounds import at_wall, just_beyond, on_bound_itself, walls_passed
 from contin.continuation.location.dips import dips, resolve_dip
 from contin.continuation.location.found import Found, Note, anchored
@@ -78,14 +78,14 @@ class Again:
 
 def resolve(
     course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
-    event: Behind | None = None, passing: bool = False, beginning: bool = False,
+    event: Behind | None = None, passing: bool = False, beginning: bool = False, ending: bool = False,
 ) -> tuple[Segment, End | None] | Again:  # fmt: skip
     """Labels and end of a chunk; `Again` where its last step jumped and must be repeated with a shorter one.
 
     before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
     corrector failed, the arm goes on.  event : a labelled point in the step that led to the chunk's first row.
     passing : no step is repeated: shorter ones have not explained what changes here either.  beginning : the first row
-    is where the branch starts, at no special point.
+    is where the branch starts, at no special point.  ending : no further step is allowed.
     """
     rows, frame = len(chunk) - 1, Frame(scale, chunk.reference, chunk.gauge)
     segment = Segment(
@@ -101,7 +101,7 @@ def resolve(
         marked, notes, hiding = _in_steps(course, chunk, frame, event, low)
     if rows:
         stretch = Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings)
-        step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None)
+        step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None, ending)
         if not step.explained(chunk.sample(rows - 2) if rows >= 2 else before, passing):
             return Again(min(step.again, rows))
         step.finish()
@@ -140,6 +140,7 @@ class _LastStep:
     chunk: Chunk
     loop: Sample | None
     event: Behind | None  # in the step before
+    ending: bool = False  # no further step is allowed
     end: End | None = None
     found: list[Found] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -205,11 +206,15 @@ class _LastStep:
                     place = item.at if isinstance(item, Note) else None
                     if place is None or not self._is_next_to(known, place):  # a test that only touches zero at an event
                         yield item, 1
+        beside: Iterable[Found | Note] = ()
         if self.end is not None and self.last is not self.marched:
-            for item in before_end(stretch, earlier, self.last, self.marched):
-                place = item.at if isinstance(item, Note) else None
-                if self._is_inside(item) and (place is None or not self._is_next_to(known, place)):
-                    yield replace(item, suspect=False) if isinstance(item, Note) else item, 1
+            beside = before_end(stretch, earlier, self.last, self.marched)
+        elif self.ending and self.end is None and stop is Stop.LIMIT:
+            beside = before_last(stretch, self.last)
+        for item in beside:
+            place = item.at if isinstance(item, Note) else None
+            if self._is_inside(item) and (place is None or not self._is_next_to(known, place)):
+                yield replace(item, suspect=False) if isinstance(item, Note) else item, 1
 
     def _is_inside(self, item: Found | Note) -> bool:
         """True for what lies before the end of the arm, as far as that is known; `_take` looks at points on a bound."""

@@ -72,3 +72,23 @@ def test_equations_without_a_value_behind_the_bound():
     branch = api.continuation(api.equilibrium(model), "p", (-0.5, 1e-3))
     assert [point.type for point in branch.points] == ["BP"]
     assert branch.ends[1].reason == "bound"
+
+
+@pytest.mark.parametrize("e", [1e-2, 1e-5])
+@pytest.mark.parametrize("part", [0.7, 0.97])
+@pytest.mark.parametrize("kind", ["flow", "map", "algebraic"])
+def test_a_pair_in_the_last_step_that_is_allowed(kind, part, e):
+    """No row beyond tells of it. The start is moved so that the pair lies at this part of the last step."""
+
+    def followed(start):
+        model, type_ = of_kind(kind, e, start)
+        settings = {"steps": 5, "step": 0.05, "max_step": 0.05}
+        return api.continuation(api.equilibrium(model), "p", (start, start + 3), settings=settings), type_
+
+    before, last = followed(-2.0)[0].columns["p"][-2:]
+    branch, type_ = followed(-2.0 - before - part * (last - before))
+    inside = [p for p in (-e, e) if p < branch.columns["p"][-1]]
+    assert branch.ends[1].reason == "steps"
+    assert [point.type for point in branch.points] == [type_] * len(inside)
+    for point, exact in zip(branch.points, inside, strict=True):
+        assert abs(point.values["p"] - exact) <= max(point.error, 1e-15)

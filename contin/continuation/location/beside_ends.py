@@ -1,8 +1,8 @@
 """Pairs of events next to a bound or to the start, where no further row tells of them: points beyond stand for it.
 
 Between two rows with equal signs a pair shows only in a third row: a test is lowest at the one in the middle. Behind a
-bound, and before the start, the branch has no rows, so one point of it is computed there, and what is found beyond the
-end is dropped. Nothing is looked for where the equations have no value beyond.
+bound or the last step that is allowed, and before the start, the branch has no rows, so one point of it is computed
+there, and what is found beyond the end is dropped. Nothing is looked for where the equations have no value beyond.
 """
 
 from __future__ import annotations
@@ -76,6 +76,17 @@ def before_end(stretch: Stretch, earlier: Sample | None, last: Sample, marched: 
                 yield from resolve_dip(stretch, base, marched, further, test)
     if stretch.problem.kind in EXACT and _changes(last, marched) and not _changes(base, last):
         yield from (item for item in isolate(stretch, base, marched) if isinstance(item, Found))
+
+
+def before_last(stretch: Stretch, last: Sample) -> Iterator[Found | Note]:
+    """What the step from `stretch.base` to `last`, beyond which no step is allowed, may hide behind a low test."""
+    if not _may_dip(last, stretch.base):
+        return
+    further = _on_from(stretch, last, stretch.distance(stretch.base, last))
+    for test in [] if further is None else dips(stretch, stretch.base, last, further):
+        for item in resolve_dip(stretch, stretch.base, last, further, test) if further is not None else ():
+            if _length(stretch, item, 0.0) <= stretch.length_of(last):
+                yield item
 
 
 def _may_dip(here: Sample, row: Sample) -> bool:
