@@ -18,6 +18,8 @@ from contin.records import Record
 
 MOST_MULTIPLIERS: Final = 6  # told of a point; the JSON has all of them
 MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
+UNSEEN: Final = 1e-8  # of a column's largest value: an error that eight digits hardly show
+EPSILON: Final = 2.0**-52
 UNBOUNDED: Final = 10_000  # columns of a console in which no table is shortened
 _COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "d")  # the first that there is decides
 _OF_KIND: Final = {"pitchfork": "b30", "transcritical": "b20"}
@@ -122,9 +124,20 @@ def _table(branch: Record, shown: list[str], *, fold: bool) -> Table:
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("coefficient", no_wrap=True)
     for point in branch["points"]:
-        cells = [number(point["values"].get(name)) for name in shown]
+        cells = [number(_known(branch, point, name)) for name in shown]
         table.add_row(f"  {point['label']}", words(point), *cells, _coefficient(point))
     return table
+
+
+def _known(branch: Record, point: Record, name: str) -> float | None:
+    """A value of a labelled point, 0 where it is no more than its error or a rounding error of the column."""
+    value = point["values"].get(name)
+    if value is None:
+        return None
+    errors = {branch["parameters"][0]: point.get("error"), **point.get("errors", {})} if branch["parameters"] else {}
+    size = max((abs(x) for x in branch["columns"].get(name, ()) if x is not None), default=0.0)
+    error = errors.get(name) or 0.0
+    return 0.0 if abs(value) <= max(error if error <= UNSEEN * size else 0.0, EPSILON * size) else float(value)
 
 
 def _shown_columns(branch: Record, states: list[str]) -> list[str]:

@@ -56,3 +56,18 @@ def test_progress_is_one_line_without_nan_and_without_labels_that_may_go():
     status.watch(here | {"value": 1.23456789e-5, "fraction": 0.25})
     assert len(status.shown.status.plain) <= 36
     assert "HB" not in status.shown.status.plain
+
+
+def test_what_is_no_more_than_its_error_is_zero():
+    """And what is no more than rounding of its column; a small value among small ones is one."""
+    point = {
+        "label": "LP1", "type": "LP", "index": 1, "normal_form": {}, "error": 1e-17,
+        "values": {"p": 4e-45, "q": 3e-12, "x": -4e-34, "y": 7e-20},
+    }  # fmt: skip
+    branch = BRANCH | {
+        "parameters": ["p", "q"], "points": [point],
+        "columns": {"p": [0.0, 1.0], "q": [-2.0, 2.0], "x": [-1.0, 1.0], "y": [1e-19, 7e-20]},
+    }  # fmt: skip
+    console = Console(file=io.StringIO(), width=120, highlight=False, markup=False)
+    print_report(DOCUMENT | {"branches": [branch], "model": {"name": "m", "states": ["x", "y"]}}, console)
+    assert "fold  0  3e-12  0  7e-20" in console.file.getvalue()

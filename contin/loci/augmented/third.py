@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,8 @@ TYPES: Final = {  # of curve -> what is looked for, in the order of its tests
 NAMES: Final = {  # where two functions belong to one type: what the engine watches
     "BT": ("DBT", "DBT:b", "TZ", "FH"), "BP": ("DBP", "DBP:b20", "FZ", "FH"),
 }  # fmt: skip
+
+VANISHING: Final = {"SW": "c", "DBT": "a", "DBT:b": "b", "DGH": "l2", "DBP:b20": "b20"}  # the coefficient that is zero
 
 
 def types(curve: str) -> Sequence[str]:
@@ -219,7 +221,7 @@ def described(problem: LocusProblem, curve: str, point: Verified) -> Outcome:
         found = branch_point(jet_at(problem, z, (problem.curve.first,))) if curve == "BP" else (
             _form(problem, "BT" if type_ == "BT" else curve, z)
         )  # fmt: skip
-        form |= dict(found.coefficients) | ({"errors": dict(found.errors)} if found.errors else {})
+        form |= _without_rounding(name, dict(found.coefficients), dict(found.errors))
         remark = ""
     except NO_FORM as reason:
         remark = f"{type_}: its coefficients could not be computed ({reason})"
@@ -227,6 +229,15 @@ def described(problem: LocusProblem, curve: str, point: Verified) -> Outcome:
     return replace(
         point, type=type_, normal_form=form, remark=remark, eigenvalues=values, unstable=int(np.sum(others.real > 0.0))
     )
+
+
+def _without_rounding(name: str, coefficients: dict[str, object], errors: dict[str, float]) -> dict[str, object]:
+    """Coefficients with their errors; the one that the condition makes zero is 0, and what is left of it its error."""
+    zero = VANISHING.get(name)
+    if zero in coefficients:
+        left = abs(float(cast("float", coefficients[zero])))
+        coefficients, errors = coefficients | {zero: 0.0}, errors | {zero: max(left, errors.get(zero, 0.0))}
+    return coefficients | ({"errors": errors} if errors else {})
 
 
 def _has_pair(problem: LocusProblem, curve: str, z: Array) -> bool:

@@ -39,6 +39,8 @@ def test_a_curve_of_cusps_and_its_swallowtail():
     assert cusps.locus == "CP"
     assert [end.reason for end in cusps.ends] == ["bound", "bound"]
     assert all(abs(cusps["SW1"].values[name]) < 1e-8 for name in names)
+    assert cusps["SW1"].normal_form["c"] == 0.0  # by the point's condition: what rounding leaves of it is its error
+    assert 0.0 < cusps["SW1"].normal_form["errors"]["c"] < 1e-8
 
 
 def test_a_curve_of_bogdanov_takens_points_with_its_degenerate_one():
@@ -53,6 +55,7 @@ def test_a_curve_of_bogdanov_takens_points_with_its_degenerate_one():
     assert np.abs(found.columns["n"]).max() < 1e-10
     assert [p.type for p in found.points] == ["DBT"]
     assert abs(found["DBT1"].values["c"]) < 1e-9
+    assert found["DBT1"].normal_form["a"] == 0.0
     assert found["DBT1"].normal_form["b"] == pytest.approx(1.0)
 
 
@@ -72,6 +75,7 @@ def test_a_curve_of_bautin_points():
     assert np.allclose(found.columns["b"], found.columns["c"] ** 2 - 0.5, atol=1e-8)
     assert [p.type for p in found.points] == ["DGH"]
     assert abs(found["DGH1"].values["c"]) < 1e-6
+    assert found["DGH1"].normal_form["l2"] == 0.0
 
 
 @pytest.mark.parametrize("type_", ["ZH", "HH"])
