@@ -60,13 +60,13 @@ class CurveOfSpecialOrbits(OfPeriodicOrbits):
         return np.asarray(u.at(times + 0.5) - u.at(times) - 0.5 * self.curve.orbits.winding)
 
     @abstractmethod
-    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
-        """This curve with half the discretisation's lengths, a sample of it and the metric; None without a mesh."""
+    def on_finer_mesh(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        """This curve with half the mesh's lengths, the sample as it is there and the metric; None without a mesh."""
 
     def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
         """The point with the coefficients of its normal form, where they are computed.
 
-        finer, there, metric : as of `refined`, the sample located anew.
+        finer, there, metric : as of `on_finer_mesh`, the sample located anew.
         """
         return point
 

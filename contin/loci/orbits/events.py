@@ -126,7 +126,7 @@ def _unstable(problem: CurveOfSpecialOrbits, type_: str, found: Sample) -> int:
 
 def _on_finer_mesh(problem: CurveOfSpecialOrbits, found: Sample, frame: Frame, index: int) -> Refined | None:
     """The point on a mesh of half the lengths (itself without a mesh); None where it is not found there."""
-    refined = problem.refined(found, frame)
+    refined = problem.on_finer_mesh(found, frame)
     if refined is None:
         return problem, found, frame
     again = zero_of_test(refined[0], refined[1], refined[2], index)

@@ -17,7 +17,7 @@ from contin.abi import Array
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
-from contin.loci.orbits.renewal import renew
+from contin.loci.orbits.renewal import on_half_lengths, renew
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.linearised.tangent_solver import Factorised, factorised
@@ -72,6 +72,11 @@ class SamePeriodProblem(OfOnePeriod, MarchedInPython):
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
         equations, jacobian = self.curve.linearise(z, scale)
         return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Self, Sample, Frame] | None:
+        near, metric = on_half_lengths(self.curve, sample, frame)
+        found = self.probe(near, 0.0, near.z.copy(), metric, Settings())
+        return None if found is None else (self, found, metric)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

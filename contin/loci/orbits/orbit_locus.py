@@ -146,9 +146,12 @@ class OrbitLocusProblem(OfSpecialOrbits):
         return self.connected(origin, before, frame) or renew(self, origin, before, frame, settings)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
-        finer, near, metric = on_finer_mesh(self, sample, frame)
+        finer, near, metric = self.on_finer_mesh(sample, frame)
         found = finer.probe(near, 0.0, near.z.copy(), metric, Settings())
         return None if found is None else (finer, found, metric)
+
+    def on_finer_mesh(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame]:
+        return on_finer_mesh(self, sample, frame)
 
     def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
         """By the return map; of types that have their coefficients from it, on curves of LPC, PD and NS."""

@@ -16,6 +16,7 @@ from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 
 if TYPE_CHECKING:
+    from contin.loci.orbits.isoperiodic import PeriodCurve
     from contin.problems.orbits.collocated_orbits import OrbitProblem
     from contin.problems.orbits.special_orbits.curve import OrbitCurve
     from contin.problems.orbits.two_parameters import OrbitCurveProblem
@@ -48,7 +49,9 @@ def renew(
 class CurveMove:
     """Takes samples of a curve to another mesh h and another metric, by interpolation."""
 
-    def __init__(self, curve: OrbitCurve, orbits: OrbitProblem, scale: Array, renewed: Array, h: Array) -> None:
+    def __init__(
+        self, curve: OrbitCurve | PeriodCurve, orbits: OrbitProblem, scale: Array, renewed: Array, h: Array
+    ) -> None:
         self.curve = curve
         self.move = Move(orbits, curve.orbit(scale), curve.orbit(renewed), h)
 
@@ -67,13 +70,19 @@ class CurveMove:
 
 def on_finer_mesh(problem: OrbitCurveProblem, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame]:
     """The curve's problem, a sample of it and the metric, on a mesh of half the lengths; its own stays as it is."""
-    curve, scale = replace(problem.curve, _works={}, gauge=None, critical=dict(problem.curve.critical)), frame.scale
+    curve = replace(problem.curve, _works={}, gauge=None, critical=dict(problem.curve.critical))
+    return replace(problem, curve=curve), *on_half_lengths(curve, sample, frame)
+
+
+def on_half_lengths(curve: OrbitCurve | PeriodCurve, sample: Sample, frame: Frame) -> tuple[Sample, Frame]:
+    """A sample of a curve and its metric on a mesh of half the lengths, by interpolation."""
+    scale = frame.scale
     orbits, profile = curve.at(sample.z), curve.profile(sample.z)
     sizes, period = orbits.sizes(curve.orbit(sample.z), curve.orbit(scale)), float(scale[profile.u.size])
     h = np.repeat(profile.h / 2.0, 2)
     finer = curve.join(make_scale(h, profile.m, sizes, period, float(scale[-1])), float(scale[-2]), 1.0)
     there = CurveMove(curve, orbits, scale, finer, h)(sample)
-    return replace(problem, curve=curve), there, Frame(finer, gauge=curve.settled(there.z, finer).gauge)
+    return there, Frame(finer, gauge=curve.settled(there.z, finer).gauge)
 
 
 def _distance(a: Array, b: Array, scale: Array) -> float:

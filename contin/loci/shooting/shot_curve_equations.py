@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.sample import Frame, Sample
+from contin.continuation.settings import Settings
 from contin.loci.shooting.curve import CurveByShooting, Equations
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.problems.shooting.extremes import measures
 from contin.problems.shooting.linear import BorderedShooting
+from contin.problems.shooting.shot_orbits import FINER
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +48,11 @@ class ShotCurveEquations(MarchedInPython, OfPeriodicOrbits):
     def precise(self, accuracy: float) -> Self:
         """The same curve with trajectories of another accuracy."""
         return replace(self, curve=self.curve.precise(accuracy))
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Self, Sample, Frame] | None:
+        finer = self.precise(FINER * self.curve.orbits.accuracy)
+        found = finer.probe(sample, 0.0, sample.z.copy(), frame, Settings())
+        return None if found is None else (finer, found, frame)
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""

@@ -110,7 +110,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return _verified(self, type_, near, frame)
 
-    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+    def on_finer_mesh(self, sample: Sample, frame: Frame) -> None:
         return None
 
     def with_coefficients(self, point: Verified, frame: Frame, finer: Any, there: Sample, metric: Frame) -> Verified:
