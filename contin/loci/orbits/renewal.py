@@ -16,10 +16,8 @@ from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 
 if TYPE_CHECKING:
-    from contin.loci.orbits.isoperiodic import PeriodCurve
     from contin.problems.orbits.collocated_orbits import OrbitProblem
-    from contin.problems.orbits.special_orbits.curve import OrbitCurve
-    from contin.problems.orbits.two_parameters import OrbitCurveProblem
+    from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits, OrbitCurveProblem
 
 JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
 
@@ -50,7 +48,7 @@ class CurveMove:
     """Takes samples of a curve to another mesh h and another metric, by interpolation."""
 
     def __init__(
-        self, curve: OrbitCurve | PeriodCurve, orbits: OrbitProblem, scale: Array, renewed: Array, h: Array
+        self, curve: CurveOfPeriodicOrbits, orbits: OrbitProblem, scale: Array, renewed: Array, h: Array
     ) -> None:
         self.curve = curve
         self.move = Move(orbits, curve.orbit(scale), curve.orbit(renewed), h)
@@ -74,7 +72,7 @@ def on_finer_mesh(problem: OrbitCurveProblem, sample: Sample, frame: Frame) -> t
     return replace(problem, curve=curve), *on_half_lengths(curve, sample, frame)
 
 
-def on_half_lengths(curve: OrbitCurve | PeriodCurve, sample: Sample, frame: Frame) -> tuple[Sample, Frame]:
+def on_half_lengths(curve: CurveOfPeriodicOrbits, sample: Sample, frame: Frame) -> tuple[Sample, Frame]:
     """A sample of a curve and its metric on a mesh of half the lengths, by interpolation."""
     scale = frame.scale
     orbits, profile = curve.at(sample.z), curve.profile(sample.z)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,10 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
     def orbit(self, z: Array) -> Array:
         """(u, T, h, p), also of a metric or tangent."""
         return np.append(z[: -2 - self.extra], z[-1])
+
+    def settled(self, z: Array, scale: Array) -> Self:
+        """The curve with what fits z: borders, or the orbit that the phase condition refers to."""
+        return self
 
     def further(self, z: Array) -> float:
         """cos(theta) or the unfolding; 0 where there is neither."""
