@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.errors import InputError, NoSolutionError
 from contin.homoclinic.from_table import Path
 from contin.homoclinic.guesses import until_lost
+from contin.homoclinic.units_of_ends import units_between
 from contin.machine import elementary
 from contin.problems.orbits.rests_and_cycles import Cycle, Rest
 from contin.simulate.trajectory import integrate
@@ -74,16 +75,15 @@ def approaches(system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest
         raise NoSolutionError(
             "no trajectory that leaves the first end comes near the second one: change the parameters so that they do"
         )
-    best = _apart(sorted(found, key=lambda one: one.rank))
-    nearest = _apart(sorted(map(seen.nearer, best), key=lambda one: one.rank))
-    return [_in_phase(one, first, last) for one in nearest]
+    best = _apart(sorted(found, key=lambda one: one.rank), seen.sizes)
+    nearest = _apart(sorted(map(seen.nearer, best), key=lambda one: one.rank), seen.sizes)
+    return [_in_phase(one, first, last, seen.sizes) for one in nearest]
 
 
 def of_samples(system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest | Cycle, path: Path) -> Approach:
     """Samples of an orbit from the one end to the other, whose own ends are somewhere near them."""
     path = path.checked(system.n)
-    extent = np.ptp(path.states, axis=0)
-    sizes = np.maximum(extent, 1e-3 * float(extent.max()))
+    sizes = units_between(first, last, path.states)
     path = _without_rests(path, first, last, sizes)
     gaps, phases = [], []
     for end, state in ((first, path.states[0]), (last, path.states[-1])):
@@ -99,7 +99,7 @@ def of_samples(system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest
             )
     start, finish, time = path.states[0], path.states[-1], float(path.times[-1] - path.times[0])
     one = Approach(system, p, start, finish, time, (phases[0], phases[1]), max(gaps), 0.0, samples=path)
-    return _in_phase(one, first, last)
+    return _in_phase(one, first, last, sizes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,14 +131,13 @@ class _Seen:
     @classmethod
     def of(cls, system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest | Cycle) -> _Seen:
         ends = [end.u[None] if isinstance(end, Rest) else end.states for end in (first, last)]
-        both = np.vstack(ends)
-        sizes = np.maximum(np.ptp(both, axis=0), 1e-3 * float(np.ptp(both, axis=0).max()))
-        if float(sizes.max()) == 0.0:
-            raise InputError("both ends of the connecting orbit are the same equilibrium: no cycle is among them")
+        sizes = units_between(first, last)
         from scipy.spatial import cKDTree
 
         target = ends[1] / sizes
-        own = float(np.linalg.norm(np.ptp(target, axis=0))) or float(np.linalg.norm(np.ptp(both / sizes, axis=0)))
+        own = float(np.linalg.norm(np.ptp(target, axis=0))) or float(
+            np.linalg.norm(np.ptp(np.vstack(ends) / sizes, axis=0))
+        )
         longest = _longest(first, last)
         shortest = min(end.period for end in (first, last) if isinstance(end, Cycle))
         times = np.linspace(0.0, longest, int(PER_TURN * longest / shortest) + 2)
@@ -184,28 +183,28 @@ class _Seen:
         return best
 
 
-def _in_phase(one: Approach, first: Rest | Cycle, last: Rest | Cycle) -> Approach:
+def _in_phase(one: Approach, first: Rest | Cycle, last: Rest | Cycle, sizes: Array) -> Approach:
     """With phases at which the offsets are normal to the cycles."""
-    leaving = first.nearest(one.start, one.phases[0]) if isinstance(first, Cycle) else 0.0
-    arriving = last.nearest(one.finish, one.phases[1]) if isinstance(last, Cycle) else 0.0
+    leaving = first.nearest(one.start, one.phases[0], sizes) if isinstance(first, Cycle) else 0.0
+    arriving = last.nearest(one.finish, one.phases[1], sizes) if isinstance(last, Cycle) else 0.0
     return replace(one, phases=(leaving, arriving))
 
 
-def _apart(found: list[Approach]) -> list[Approach]:
+def _apart(found: list[Approach], sizes: Array) -> list[Approach]:
     """The best ones, at most `MOST`; of those that leave alike the best."""
     kept: list[Approach] = []
     for one in found:
-        if not any(_alike(one, other) for other in kept):
+        if not any(_alike(one, other, sizes) for other in kept):
             kept.append(one)
         if len(kept) == MOST:
             break
     return kept
 
 
-def _alike(one: Approach, other: Approach) -> bool:
+def _alike(one: Approach, other: Approach, sizes: Array) -> bool:
     """True of two that leave alike and take as long."""
-    starts = float(np.max(np.abs(one.start - other.start))) <= ALIKE * float(np.max(np.abs(one.start - one.finish)))
-    return starts and abs(one.time - other.time) < 0.1 * one.time
+    apart, way = (float(np.max(np.abs(one.start - state) / sizes)) for state in (other.start, one.finish))
+    return apart <= ALIKE * way and abs(one.time - other.time) < 0.1 * one.time
 
 
 def _longest(first: Rest | Cycle, last: Rest | Cycle) -> float:
@@ -244,7 +243,7 @@ def _without_rests(path: Path, first: Rest | Cycle, last: Rest | Cycle, sizes: A
 def _departures(first: Rest | Cycle, sizes: Array) -> Iterator[Departure]:
     """Starts in the unstable directions, with the phase of a cycle."""
     if isinstance(first, Rest):
-        basis = first.basis(True)
+        basis = first.basis(True, sizes)
         if basis.shape[1] > 2:
             raise InputError(f"an equilibrium with {basis.shape[1]} unstable directions: one or two are searched")
         length = LEAVING / float(np.max(np.abs(basis) / sizes[:, None]))

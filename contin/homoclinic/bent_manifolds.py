@@ -19,9 +19,11 @@ from contin.symbolic.passes.connecting import adjoint_name
 if TYPE_CHECKING:
     from contin.homoclinic.ends_of_connection import EndsOfConnection
 
-FARTHER: Final = 4.0  # times as far as the end, of an equilibrium
+FARTHER: Final = 4.0  # times as far as the end
 SAMPLES: Final = 4001
-SEEN: Final = 1e-2  # of a cycle's extent, from which on offsets tell how the manifolds bend
+SEEN: Final = 1e-2  # of a cycle's extent, from which on offsets tell how the manifolds bend, and ...
+WIDE: Final = 16.0  # ... up to how many times that
+PER_TURN: Final = 200  # samples
 
 
 def bends(problem: EndsOfConnection, z: Array) -> dict[str, float]:
@@ -38,20 +40,30 @@ def bends(problem: EndsOfConnection, z: Array) -> dict[str, float]:
 
 
 def _of_cycle(problem: EndsOfConnection, profile: Profile, values: dict[str, float], place: int) -> dict[str, float]:
-    """Some turns farther along the orbit, at the same phase: where its offset is well above the errors of the mesh."""
+    """The largest curvature along the orbit where its offset from the cycle is small and well above the mesh's errors.
+
+    Offsets are those from the cycle at the orbit's own time. The curvature depends on the phase, and the directions in
+    which the orbit comes on their rates: the largest value stands for that at the end, and counts up to twice where
+    it is that of a part of a turn (strong contraction).
+    """
     names, states = problem.two.names, problem.model.state_names
-    n, clock = len(states), values["T:"] * values[f"period:{problem.cycles[0]}"]
-    own = [names.index(f"{name}:{place}") for name in states]
-    base, extent = profile.u[0, own], float(np.linalg.norm(np.ptp(profile.u[:, own], axis=0)))
-    turns = np.arange(0.0, 1.0, values[f"period:{place}"] / clock)
-    offsets = profile.at(turns if place == 1 else 1.0 - turns)[:, :n] - base
-    end, sizes = offsets[0], np.linalg.norm(offsets, axis=1)
-    there = offsets[int(np.argmax(sizes >= SEEN * extent)) or len(turns) - 1]
-    far = float(there @ there)
+    n, clock, period = len(states), values["T:"] * values[f"period:{problem.cycles[0]}"], values[f"period:{place}"]
+    own = [names.index(f"{name}:cycle{place}") for name in states]
+    extent = float(problem.length(np.ptp(profile.u[:, own], axis=0)))
+    back = np.arange(0.0, 1.0, period / clock / PER_TURN)  # of the orbit's time
+    phases = back * clock / period % 1.0
+    there, cycle = (profile.at(x if place == 1 else 1.0 - x) for x in (back, phases))
+    offsets = there[:, :n] - cycle[:, own]
+    sizes = problem.length(offsets)
+    least = max(SEEN * extent, FARTHER * float(sizes[0]))
+    chosen = np.flatnonzero((sizes >= least) & (sizes <= WIDE * least))
+    unseen = max(1.0 - len(chosen) / PER_TURN, 0.0)
     found, mode = {}, 0
     while f"part{mode}:{place}" in values:
-        w = profile.u[0, [names.index(adjoint_name(s, "start" if place == 1 else "end", mode)) for s in states]]
-        found[f"part{mode}:{place}"] = float(w @ there) * float(end @ end) / far if far > 0.0 else 0.0
+        w = [names.index(adjoint_name(s, "start" if place == 1 else "end", mode)) for s in states]
+        curved = np.sum(cycle[:, w] * offsets, axis=1)[chosen] / elementary.square(sizes[chosen])
+        largest = float(curved[int(np.argmax(np.abs(curved)))]) if len(curved) else 0.0
+        found[f"part{mode}:{place}"] = (1.0 + unseen) * largest * elementary.square(float(sizes[0]))
         mode += 1
     return found
 
@@ -67,9 +79,10 @@ def _of_equilibrium(
     v = np.array([[values[f"v{i}{j}:{place}"] for j in range(k)] for i in range(n)])
     offsets = profile.at(s)[:, :n] - x0
     offsets = offsets if place == 1 else offsets[::-1]
-    gaps = np.linalg.norm(offsets, axis=1)
+    gaps = problem.length(offsets)
     chosen = int(np.argmax(gaps >= FARTHER * gaps[0])) or SAMPLES - 1
     there = offsets[chosen]
-    outside = there - v @ np.linalg.lstsq(v, there, rcond=None)[0]
+    units = np.ones(n) if problem.units is None else problem.units
+    outside = there - v @ np.linalg.lstsq(v / units[:, None], there / units, rcond=None)[0]
     part = outside * float(elementary.square(gaps[0] / gaps[chosen])) if gaps[chosen] > 0.0 else 0.0 * outside
     return {f"part{i}:{place}": float(x) for i, x in enumerate(part)}

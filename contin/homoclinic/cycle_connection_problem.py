@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -21,6 +21,7 @@ from contin.continuation.settings import Settings
 from contin.homoclinic.bent_manifolds import bends
 from contin.homoclinic.ends_of_connection import EndsOfConnection
 from contin.homoclinic.hyperbolic_ends import beyond
+from contin.homoclinic.parts_of_vectors import with_parts
 from contin.linalg.newton import Rules, by_steps
 from contin.linalg.vectors import norm
 from contin.machine import elementary
@@ -31,29 +32,8 @@ from contin.symbolic.passes.connecting import MISS
 
 UNBOUNDED = (-np.inf, np.inf)
 NEWTON = Rules(settled=1e-11, stalled=1e-7, budget=15)
-PART = 1e-3  # of a mode, in the states' sizes
 CHUNK = 5  # a step takes some 50 ms
 POINTS = 6  # Gauss points an interval: orbits of many turns, whose errors grow on the way, want a high order
-
-
-def vectors(names: Sequence[str]) -> Iterator[tuple[int, list[tuple[int, int]]]]:
-    """Functions that are the parts of one vector, with the places of the states that they belong to.
-
-    Before them 1 where they are measured as the states are, -1 where in the inverse of that (adjoint modes).
-    """
-    groups: dict[tuple[int, str], list[tuple[int, int]]] = {}
-    states = [name for name in names if ":" not in name]
-    for k, name in enumerate(names):
-        first, _, end = name.partition(":")
-        if end.startswith("w"):
-            groups.setdefault((-1, end), []).append((k, names.index(first)))
-        elif end.startswith("saddle"):
-            groups[1, name] = [(k, names.index(first)), (names.index(first), names.index(first))]
-        elif first.startswith("v") and end in ("1", "2"):
-            row, column = first[1:-1], first[-1]
-            groups.setdefault((1, f"v{column}:{end}"), []).append((k, names.index(states[int(row)])))
-    for (power, _), pairs in groups.items():
-        yield power, pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,12 +61,7 @@ class Isolated(BoundaryProblem):
         Some vanish (of driven flows, in invariant planes), to rounding, which says nothing of their size.
         """
         sizes = super().natural_sizes(z, profile, width)
-        seen, names = np.abs(profile.u).max(axis=0), self.two.names
-        for power, pairs in vectors(names):
-            own, of = np.array([k for k, _ in pairs]), np.array([j for _, j in pairs])
-            units = sizes[of] ** power
-            sizes[own] = np.maximum(sizes[own], PART * float(np.max(seen[own] / units)) * units)
-        return sizes
+        return with_parts(sizes, np.abs(profile.u).max(axis=0), self.two.names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +110,35 @@ class ConnectionToCycle(Isolated, EndsOfConnection):
         return None if found is None else (own, *found)
 
     def bent(self, z: Array) -> Self:
-        """The equations whose ends lie on the manifolds to second order, as far as the orbit z tells of these."""
+        """The equations whose ends lie on the manifolds to second order, as far as the orbit z tells of these.
+
+        One end's bend is turned round where what both move the parameters by would cancel: it is for errors.
+        """
+        first, last = ({k: v for k, v in bends(self, z).items() if k.endswith(end)} for end in (":1", ":2"))
+        moved = [self._moved_by(self._missing(parts), z) for parts in (first, last)]
+        if moved[0] * moved[1] < 0.0:
+            last = {name: -value for name, value in last.items()}
+        return self._missing({**first, **last})
+
+    def _missing(self, parts: Mapping[str, float]) -> Self:
+        """The equations whose ends miss the linear spaces by these parts."""
         base = self.base.copy()
-        base[self.two.parameters.index(MISS)] = 1.0
-        for name, value in bends(self, z).items():
+        for name, value in {MISS: 1.0, **parts}.items():
             base[self.two.parameters.index(name)] = value
         return replace(self, base=base, spaces={})
+
+    def _moved_by(self, other: Self, z: Array) -> float:
+        """Of the parameters, to first order: across their curve where there are two; 0 where it does not tell."""
+        ones = np.ones_like(z)
+        t = self.tangents(z, ones)[0]
+        here, there = self.linearisation(z, t, ones), other.linearisation(z, t, ones)
+        if here is None or there is None or here.sign == 0.0:
+            return 0.0
+        return self.across(here.solve(np.append(here.residual - there.residual, 0.0)), t)
+
+    def across(self, move: Array, _: Array) -> float:
+        """Of a move, the part that matters for the parameters, with its sign; the tangent."""
+        return float(move[-1])
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         for k, row in enumerate(z):
@@ -169,7 +167,7 @@ class ConnectionToCycle(Isolated, EndsOfConnection):
             mark = "" if len(self.cycles) == 1 else mark
             columns[f"period{mark}"] = found[f"period:{place}"]
             for name in names:
-                columns |= {f"{name}.cycle{mark}.{end}": found[f"{name}:{place}.{end}"] for end in ("min", "max")}
+                columns |= {f"{name}.cycle{mark}.{end}": found[f"{name}:cycle{place}.{end}"] for end in ("min", "max")}
             k = 0
             while f"sigma{k}:{place}" in found:
                 columns[f"multiplier{mark}{f'.{k + 1}' if k else ''}"] = elementary.exp(found[f"sigma{k}:{place}"])
@@ -201,6 +199,9 @@ class CurveOfConnections(OnAdaptiveMesh, ConnectionToCycle):
     def place(self) -> int:
         """Of the second parameter in z: a constant function, whose first value stands for it."""
         return self.two.n_states + self.two.free.index(self.second)
+
+    def across(self, move: Array, tangent: Array) -> float:
+        return float(move[-1] * tangent[self.place] - move[self.place] * tangent[-1])
 
     def within(self, first: tuple[float, float], second: tuple[float, float]) -> CurveOfConnections:
         return replace(self, first_bounds=first, second_bounds=second)

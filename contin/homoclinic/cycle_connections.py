@@ -26,6 +26,8 @@ from contin.errors import ContinError, InputError, NoSolutionError
 from contin.homoclinic.approach import Approach, approaches, of_samples
 from contin.homoclinic.cycle_connection_problem import POINTS, ConnectionToCycle, CurveOfConnections, Homotopy
 from contin.homoclinic.from_table import Path
+from contin.homoclinic.parts_of_vectors import with_parts
+from contin.homoclinic.units_of_ends import units_between
 from contin.machine import elementary
 from contin.model.advice import place_of_parameter
 from contin.problems.orbits.mesh.adaption import choose_mesh
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
 FINE: Final = 100  # intervals of the first guess, and ...
 PER_TURN: Final = 25  # ... more for each turn as long as the cycle
 GUESSED: Final = 1e-4  # error of the first mesh: tables of modes are no smoother
-HOME: Final = 60  # steps of a homotopy
+HOME: Final = 250  # steps of a homotopy
 NEAR: Final = 1e-4  # of the cycle's extent (the orbit's, from an equilibrium), that the orbit's end comes to it
 ENOUGH: Final = 1e-2  # ... with which it is content where it comes no nearer
 HELD: Final = 3.0  # times as far as that a distance that is held may be
@@ -85,8 +87,17 @@ class CycleConnection:
         return self._found((parameter,))
 
     @cached_property
+    def units(self) -> Array:
+        """Of the states, in which all distances are measured."""
+        return units_between(self.first, self.last, None if self.path is None else self.path.states)
+
+    @cached_property
     def problem(self) -> Connecting:
-        return connecting(self.system.model, self._end(self.first, True), self._end(self.last, False))
+        ends = self._end(self.first, True), self._end(self.last, False)
+        return connecting(self.system.model, *ends, self.units.tolist())
+
+    def _length(self, offset: Array) -> float:
+        return float(np.linalg.norm(offset / self.units))
 
     def _end(self, end: Rest | Cycle, leaving: bool) -> End:
         if isinstance(end, Rest):
@@ -149,7 +160,7 @@ class CycleConnection:
     ) -> dict[str, tuple[float, float, float]]:
         """Distances that the conditions hold and are too large: their values, those wanted, periods that this takes."""
         n, u = self.system.n, problem.profile(z).u
-        extent, held = float(np.linalg.norm(np.ptp(u[:, :n], axis=0))), {}
+        extent, held = self._length(np.ptp(u[:, :n], axis=0)), {}
         clock = next(end.period for end in (self.first, self.last) if isinstance(end, Cycle))
         for place, end in ((1, self.first), (2, self.last)):
             distance = values.get(f"{DISTANCE}{place}", 0.0)
@@ -158,7 +169,7 @@ class CycleConnection:
                 rate = float(np.min(np.abs(rates[rates > 0.0 if place == 1 else rates < 0.0]))) * clock
             elif place == 1 and isinstance(self.last, Cycle):
                 rate = min(abs(float(elementary.log(abs(m)))) for m in end.outside(True))
-                extent = float(np.linalg.norm(np.ptp(end.states, axis=0)))
+                extent = self._length(np.ptp(end.states, axis=0))
             else:
                 continue
             wanted = self.truncation * extent
@@ -192,9 +203,9 @@ class CycleConnection:
         for place, end in ((1, self.first), (2, self.last)):
             held = place == 1 and isinstance(self.last, Cycle)  # then its distance is a parameter
             if isinstance(end, Cycle) and not held:
-                k = problem.two.names.index(f"{self.system.state_names[0]}:{place}")
+                k = problem.two.names.index(f"{self.system.state_names[0]}:cycle{place}")
                 offset = u[0 if place == 1 else -1, :n] - u[0, k : k + n]
-                own = float(np.linalg.norm(offset) / np.linalg.norm(np.ptp(u[:, k : k + n], axis=0)))
+                own = self._length(offset) / self._length(np.ptp(u[:, k : k + n], axis=0))
                 rates = [abs(float(elementary.log(abs(m)))) for m in end.outside(place == 1)]
                 if own > gap:
                     gap, rate = own, min(rates, default=1.0)
@@ -210,7 +221,7 @@ class CycleConnection:
         if own.further == 0:
             one = ConnectionToCycle(
                 two, np.array([values[name] for name in two.parameters]), two.parameters.index(first),
-                points=POINTS, flow=self.system, cycles=cycles,
+                points=POINTS, flow=self.system, cycles=cycles, units=self.units,
             )  # fmt: skip
             return Seed(one, solved(one, replace(profile, parameter=values[first])))
         second = parameters[1]
@@ -221,8 +232,9 @@ class CycleConnection:
         u[:, column] = values[second]
         base = np.array([values[name] for name in turned.parameters])
         curve = CurveOfConnections(
-            turned, base, turned.parameters.index(first), points=POINTS, flow=self.system, cycles=cycles, second=second
-        )
+            turned, base, turned.parameters.index(first), points=POINTS, flow=self.system, cycles=cycles,
+            units=self.units, second=second,
+        )  # fmt: skip
         return Seed(curve, solved(curve, replace(profile, u=u, parameter=values[first])))
 
     # -- the guess -----------------------------------------------------------------------------------------------------
@@ -235,14 +247,14 @@ class CycleConnection:
         values |= {MISS: 1.0, TIME: one.time / clock}
         for place, end, state in ((1, self.first, one.start), (2, self.last, one.finish)):
             if isinstance(end, Rest):
-                values |= _at_rest(end, place, state, self.system.state_names)
+                values |= _at_rest(end, place, state, self.system.state_names, self.units)
                 continue
             cycle = end.shifted(one.phases[place - 1])
             offset = state - cycle.states[0]
             values[f"period:{place}"] = end.period
-            values[f"{DISTANCE}{place}"] = float(np.linalg.norm(offset))
+            values[f"{DISTANCE}{place}"] = self._length(offset)
             for k, multiplier in enumerate(end.outside(place == 2)):
-                w = cycle.adjoint(multiplier, np.zeros(1))[0]
+                w = cycle.adjoint(multiplier, np.zeros(1), self.units)[0]
                 values[f"sigma{k}:{place}"] = float(elementary.log(abs(multiplier)))
                 values[f"part{k}:{place}"] = float(w @ offset)
         return values
@@ -252,7 +264,9 @@ class CycleConnection:
         turns = max((one.time / end.period for end in (self.first, self.last) if isinstance(end, Cycle)), default=1.0)
         count = int(FINE + PER_TURN * turns)
         fine = self._on(problem, one, values, np.full(count, 1.0 / count))
-        sizes = np.maximum(np.abs(fine.u).max(axis=0), 1e-12)
+        seen, n = np.abs(fine.u).max(axis=0), self.system.n
+        sizes = np.append(np.maximum(seen[:n], self.units), np.where(seen[n:] > 0.0, seen[n:], 1.0))
+        sizes = with_parts(sizes, seen, problem.two.names)
         return self._on(problem, one, values, choose_mesh(fine, sizes, GUESSED, None, closed=False).h)
 
     def _on(self, problem: BoundaryProblem, one: Approach, values: dict[str, float], h: Array) -> Profile:
@@ -265,9 +279,9 @@ class CycleConnection:
                 continue
             cycle = end.shifted(one.phases[place - 1])
             for k, name in enumerate(self.system.state_names):
-                u[:, two.names.index(f"{name}:{place}")] = cycle.profile.at(s)[:, k]
+                u[:, two.names.index(f"{name}:cycle{place}")] = cycle.profile.at(s)[:, k]
             for j, multiplier in enumerate(end.outside(place == 2)):
-                w = cycle.adjoint(multiplier, s)
+                w = cycle.adjoint(multiplier, s, self.units)
                 for k, name in enumerate(self.system.state_names):
                     u[:, two.names.index(adjoint_name(name, "start" if place == 1 else "end", j))] = w[:, k]
         for k, name in enumerate(two.free):
@@ -275,12 +289,13 @@ class CycleConnection:
         return Profile(m, u, 1.0, h, values[MISS])
 
 
-def _at_rest(end: Rest, place: int, state: Array, names: tuple[str, ...]) -> dict[str, float]:
-    basis = end.basis(place == 1)
-    small, c = basis.T @ end.matrix @ basis, basis.T @ (state - end.u)
+def _at_rest(end: Rest, place: int, state: Array, names: tuple[str, ...], units: Array) -> dict[str, float]:
+    basis = end.basis(place == 1, units)
+    dual = basis / np.square(units)[:, None]
+    small, c = dual.T @ end.matrix @ basis, dual.T @ (state - end.u)
     values = {f"{name}:saddle{place}": float(x) for name, x in zip(names, end.u, strict=True)}
     for i, j in np.ndindex(*basis.shape):
-        values[f"v{i}{j}:{place}"] = values[f"r{i}{j}:{place}"] = float(basis[i, j])
+        values |= {f"v{i}{j}:{place}": float(basis[i, j]), f"r{i}{j}:{place}": float(dual[i, j])}
     for i, j in np.ndindex(*small.shape):
         values[f"l{i}{j}:{place}"] = float(small[i, j])
     values |= {f"c{j}:{place}": float(x) for j, x in enumerate(c)}

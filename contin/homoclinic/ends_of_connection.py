@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from contin.abi import Array
 from contin.bvp.boundary_problem import BoundaryProblem
 
 if TYPE_CHECKING:
@@ -14,10 +17,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class EndsOfConnection(BoundaryProblem):
-    """`flow` is the system whose orbits these are, `cycles` the ends (1, 2) that are cycles."""
+    """`flow` is the system whose orbits these are, `cycles` the ends (1, 2) that are cycles, `units` the states'."""
 
     flow: CompiledSystem | None = None
     cycles: tuple[int, ...] = ()
+    units: Array | None = None
+
+    def length(self, offsets: Array) -> Array:
+        """Of offsets (.., n) between states, in their units."""
+        return np.asarray(np.linalg.norm(offsets if self.units is None else offsets / self.units, axis=-1))
 
     @property
     def model(self) -> Model:

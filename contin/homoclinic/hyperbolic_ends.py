@@ -38,14 +38,14 @@ def _of_cycle(problem: EndsOfConnection, profile: Profile, values: dict[str, flo
         if sigma * (1.0 if place == 1 else -1.0) >= 0.0:
             return "a multiplier of the cycle passes the unit circle: its manifolds are others beyond"
         outside, count = outside + sigma, count + 1
-    columns = [names.index(f"{name}:{place}") for name in states]
+    columns = [names.index(f"{name}:cycle{place}") for name in states]
     if len(states) - 1 - count == 1:  # the other multiplier, by Liouville's formula
         other = values[f"period:{place}"] * _mean_divergence(problem, profile, columns, values) - outside
         if other * (1.0 if place == 1 else -1.0) <= 0.0:
             return "a multiplier of the cycle passes the unit circle: its manifolds are others beyond"
     cycle = profile.u[:, columns]
-    gap = np.linalg.norm(profile.u[0 if place == 1 else -1, : len(states)] - cycle[0])
-    part = float(gap / np.linalg.norm(np.ptp(cycle, axis=0)))
+    gap = problem.length(profile.u[0 if place == 1 else -1, : len(states)] - cycle[0])
+    part = float(gap / problem.length(np.ptp(cycle, axis=0)))
     if part > FARTHEST:
         return f"the orbit's end is {part:.2g} of the cycle's extent from it, too far for its linear manifolds"
     return None

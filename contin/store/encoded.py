@@ -24,10 +24,11 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering.system import CompiledSystem, compile_in_time, compile_system
-from contin.model.expression import Expression
+from contin.model.expression import Expression, symbols_in
 from contin.model.graph_text import PARTS as MODEL_PARTS
 from contin.model.graph_text import from_graph, model_graph, model_of_graph, to_graph
 from contin.model.model import Model
+from contin.model.parts import Condition
 from contin.model.yaml_loader import load_model_text
 from contin.records import Fields, Json, Record
 from contin.store.parts import PARTS, made_of, name_of
@@ -77,17 +78,32 @@ class Table:
         """From plain data; ValueError where the models are none.
 
         What is read without checks is written as a model file, and read again by the reader that checks it. Names with
-        a colon, of equations that contin makes (connections with cycles), are no user's: others stand for them there.
+        a colon, of equations that contin makes (connections with cycles), are no user's: others stand for them there;
+        and so are conditions on constants alone (the equilibrium that an orbit leaves).
         """
         models = [model_of_graph(data) for data in document["models"]]
         for data in document["models"]:
             model = model_of_graph(_without_colons(data))
-            load_model_text(model.text(), model.name, check=False)
+            load_model_text(_with_ends(model).text(), model.name, check=False)
         systems = []
         for entry in document["systems"]:
             model = models[_count(entry["model"])]
             systems.append(compile_in_time(model) if entry["timed"] else compile_system(model, bool(entry["regular"])))
         return cls(models, systems)
+
+
+def _with_ends(model: Model) -> Model:
+    """The model with a value at an end added to conditions that have none: a model file asks for one."""
+    known = model.functionals
+    end = next((name for name, part in known.items() if part.kind in ("start", "end")), None)
+    if end is None:
+        return model
+    said = [any(name in known for name in symbols_in([c.residual])) for c in model.conditions]
+    conditions = tuple(
+        c if full else Condition(f"{end} + {c.text}", c.residual)
+        for c, full in zip(model.conditions, said, strict=True)
+    )
+    return Model.from_parts(**{f.name: getattr(model, f.name) for f in fields(model)} | {"conditions": conditions})
 
 
 def _without_colons(data: Json) -> Json:

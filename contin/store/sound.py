@@ -102,6 +102,14 @@ def _place(value: Any, system: Any) -> bool:
     return type(value) is int and 0 <= value < (MOST if system is None else int(system.m))
 
 
+def _place_or_name(value: Any, system: Any) -> bool:
+    return isinstance(value, str) or _place(value, system)
+
+
+def _positive(value: Any, _: Any) -> bool:
+    return value is None or (isinstance(value, np.ndarray) and value.dtype == float and bool(np.all(value > 0.0)))
+
+
 def _places(value: Any, system: Any) -> bool:
     return isinstance(value, tuple) and all(_place(k, system) for k in value)
 
@@ -119,9 +127,10 @@ def _of_parameters(value: Any, system: Any) -> bool:
 
 
 RULES: Final[Mapping[str, Callable[[Any, Any], bool]]] = {
-    "base": _of_parameters, "active": _place, "first": _place, "second": _place, "more": _places, "places": _places,
+    "base": _of_parameters, "active": _place, "first": _place, "second": _place_or_name,
+    "more": _places, "places": _places,
     "winding": _of_states, "sizes": _of_states, "state_periods": _of_states, "angle_periods": _of_states,
-    "points": _counted(1, 7), "intervals": _counted(1, MOST), "multiple": _counted(1, MOST),
+    "units": _positive, "points": _counted(1, 7), "intervals": _counted(1, MOST), "multiple": _counted(1, MOST),
     "count": _counted(1, MOST), "times": _counted(1, MOST), "budget": _counted(1, 10**9),
 }  # fmt: skip
 

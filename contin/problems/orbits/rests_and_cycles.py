@@ -38,13 +38,13 @@ class Rest:
         rates = np.linalg.eigvals(self.matrix).real
         return int(np.sum(rates > 0.0)) if unstable else int(np.sum(rates < 0.0))
 
-    def basis(self, unstable: bool) -> Array:
-        """Orthonormal basis (n, k) of the unstable (stable) eigenspace."""
-        values, vectors = np.linalg.eig(self.matrix)
+    def basis(self, unstable: bool, units: Array) -> Array:
+        """Basis (n, k) of the unstable (stable) eigenspace, orthonormal in the units of the states."""
+        values, vectors = np.linalg.eig(self.matrix * units / units[:, None])
         chosen = values.real > 0.0 if unstable else values.real < 0.0
         columns = vectors[:, chosen]
         left, _, _ = np.linalg.svd(np.hstack([columns.real, columns.imag]), full_matrices=False)
-        return np.asarray(left[:, : int(chosen.sum())])
+        return np.asarray(left[:, : int(chosen.sum())] * units[:, None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,15 +110,15 @@ class Cycle:
             raise InputError(f"the cycle has no {'unstable' if unstable else 'stable'} multiplier besides 1")
         return _real(value)
 
-    def adjoint(self, multiplier: float, times: Array) -> Array:
-        """w(t) of w' = -A^T w + sigma w with |w(0)| = 1, at scaled times, (len(times), n)."""
+    def adjoint(self, multiplier: float, times: Array, units: Array) -> Array:
+        """w(t) of w' = -A^T w + sigma w with |units w(0)| = 1, at scaled times, (len(times), n)."""
         values, vectors = np.linalg.eig(self.fundamental[-1].T)
         w = np.real(vectors[:, int(np.argmin(np.abs(values - multiplier)))])
         sigma = float(elementary.log(abs(multiplier)))
         right = np.broadcast_to(w, (STEPS + 1, len(w)))[..., None]
         at = np.linalg.solve(self.fundamental.transpose(0, 2, 1), right)[..., 0]
         at = at * elementary.exp(sigma * self.times)[:, None]
-        return self._read(at / np.linalg.norm(w), times)
+        return self._read(at / np.linalg.norm(units * w), times)
 
     def direction(self, multiplier: float, times: Array) -> Array:
         """v(t) = exp(-sigma t) Phi(t) v, the direct mode, at scaled times."""
@@ -131,12 +131,12 @@ class Cycle:
     def _read(self, values: Array, times: Array) -> Array:
         return np.stack([np.interp(times, self.times, column) for column in values.T], axis=1)
 
-    def nearest(self, state: Array, phase: float) -> float:
-        """The phase near a given one at which the offset of a state is normal to the cycle."""
+    def nearest(self, state: Array, phase: float, units: Array) -> float:
+        """The phase near a given one at which the offset of a state is normal to the cycle, in the states' units."""
         for _ in range(20):
             u = self.profile.at(np.array([phase % 1.0]))[0]
-            f = self.period * np.asarray(self.system.value(u, self.p))
-            step = float(f @ (state - u)) / float(f @ f)
+            f = self.period * np.asarray(self.system.value(u, self.p)) / units
+            step = float(f @ ((state - u) / units)) / float(f @ f)
             phase += float(np.clip(step, -0.05, 0.05))
             if abs(step) < 1e-12:
                 break
