@@ -10,9 +10,10 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.continuation.course import Behind, Course
 from contin.continuation.defects import contained
 from contin.continuation.explained import Unexplained, first_unexplained
-from contin.continuation.last_step import Again, Behind, Course, resolve
+from contin.continuation.last_step import Again, resolve
 from contin.continuation.location.isolate import LOST_IN_ROUNDING
 from contin.continuation.location.through_zero import ThroughZero
 from contin.continuation.location.user_value import Target

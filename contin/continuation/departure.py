@@ -9,9 +9,9 @@ from typing import Protocol, runtime_checkable
 from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
+from contin.continuation.course import Course
 from contin.continuation.curve import Stretch
 from contin.continuation.first_sample import first_sample
-from contin.continuation.last_step import Course
 from contin.continuation.location.bounds import walls_passed
 from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import isolate
