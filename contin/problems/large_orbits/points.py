@@ -74,4 +74,4 @@ class Points:
         """dF/dp_k (K, n)."""
         if self._at_once is not None:
             return np.asarray(self._at_once.parameter_slopes_at(u.T, self._named(p), self.system.parameter_names[k]).T)
-        return np.array([self.system.parameter_slope(row, p, k) for row in u])
+        return self.system.parameter_slopes(u, p, k)

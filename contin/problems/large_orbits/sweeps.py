@@ -83,8 +83,8 @@ class Sweeps:
             if jumps is not None and j in jumps:
                 x = x + jumps[j]
             held = self._weighed(x)
-            known = np.broadcast_to(held, (STAGES, self.n)) if right is None else right[j] + held
-            out[j] = interval.solve(known.T.ravel()).reshape(self.n, STAGES).T
+            known = np.repeat(held, STAGES) if right is None else (right[j] + held).T.ravel()
+            out[j] = interval.solve(known).reshape(self.n, STAGES).T
             x = out[j, 2]
         return out
 

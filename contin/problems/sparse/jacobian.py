@@ -28,6 +28,7 @@ from contin.systems.functions.trials import try_sparsity
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
+AT_ONCE = 100_000  # numbers in the states of one call, of coloured complex steps: what is small is limited by calls
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
 WORSE = 1.5  # ratio of GMRES iterations to those of a new preconditioner from which the user's is made anew, ...
 MORE = 3  # ... and as many beside
@@ -148,7 +149,7 @@ class JacobianSource:
             raise UserFunctionError(f"jacobian must return dF/du of shape {(self.system.n,) * 2}; got {matrix.shape}")
         if not matrix.has_canonical_format:
             matrix.sum_duplicates()
-        return matrix
+        return filled(matrix, matrix.data.copy())  # the function may fill one matrix again and again
 
     # coloured differences ---------------------------------------------------------------------------------------------
 
@@ -170,16 +171,19 @@ class JacobianSource:
 
     def _coloured(self, u: Array, p: Array) -> csc_matrix:
         pattern, columns, colours, count = self._pattern
-        size, value = self.system.sizes_at(u), self.system.quickly
+        size, value, block = self.system.sizes_at(u), self.system.quickly, max(1, AT_ONCE // self.system.n)
         slopes = np.empty((count, self.system.n))
         circled = p.astype(complex)
         with np.errstate(all="ignore"):
-            for c in range(count):
-                step = np.where(colours == c, size, 0.0)
-                if self.system.lines.analytic:
-                    slopes[c] = np.imag(value(u + 1j * COMPLEX_STEP * step, circled)) / COMPLEX_STEP
-                    continue
-                slopes[c] = differentiated(partial(_ahead, value, u, step, p), 1, 1.0)
+            if self.system.lines.analytic:
+                for chosen in np.split(np.arange(count), range(block, count, block)):
+                    steps = np.where(colours == chosen[:, None], size, 0.0)
+                    moved = self.system.quickly_at_rows(u + 1j * COMPLEX_STEP * steps, circled)
+                    slopes[chosen] = np.imag(moved) / COMPLEX_STEP
+            else:
+                for c in range(count):
+                    step = np.where(colours == c, size, 0.0)
+                    slopes[c] = differentiated(partial(_ahead, value, u, step, p), 1, 1.0)
         return filled(pattern, slopes[colours[columns], pattern.indices] / size[columns])
 
     # matrix-free ------------------------------------------------------------------------------------------------------

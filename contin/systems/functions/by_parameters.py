@@ -6,17 +6,23 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from contin.abi import Array, Vector
 from contin.errors import UserFunctionError
+from contin.records import Fields
 from contin.systems.functions.derivatives import COMPLEX_STEP
 
 Function = Callable[[Vector, Vector], Vector]
 SAME: Final = 1e-9  # part of a slope that rounding may change, ...
 NOTHING: Final = 1e-14  # ... and of the largest, where terms cancel
+
+
+def moved(p: Array, steps: Array) -> Vector:
+    """The parameters of a complex step."""
+    return np.asarray(p + 1j * COMPLEX_STEP * steps)
 
 
 def by_step(function: Function, u: Vector, p: Array, steps: Array) -> Array | None:
@@ -27,11 +33,28 @@ def by_step(function: Function, u: Vector, p: Array, steps: Array) -> Array | No
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
-            moved = function(u, p + 1j * COMPLEX_STEP * steps)
+            found = function(u, moved(p, steps))
     except UserFunctionError:
         return None  # with complex states it is told whose fault that is
-    slope = np.asarray(np.imag(moved) / COMPLEX_STEP)
+    slope = np.asarray(np.imag(found) / COMPLEX_STEP)
     return slope if np.all(np.isfinite(slope)) else None
+
+
+def at_rows(residual: Callable[..., Any], u: Array, named: Fields) -> Array | None:
+    """dF/dp (K, n) at the rows of u (K, n), `named` having the step in it; None where one of them is to be asked alone.
+
+    `by_step` at once: each context of warnings takes as long as a function of few states.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", np.exceptions.ComplexWarning)
+            found = np.array([np.array(residual(row.copy(), dict(named))) for row in u])
+    except Exception:  # noqa: BLE001 - that is said in words where a row is asked alone
+        return None
+    if found.shape != u.shape or found.dtype.kind not in "biufc":
+        return None
+    slopes = np.asarray(np.imag(found) / COMPLEX_STEP)
+    return slopes if np.all(np.isfinite(slopes)) else None
 
 
 def takes_real_states(function: Function, u: Array, p: Array, sizes: Array) -> bool:

@@ -117,10 +117,15 @@ class FunctionSystem:
         Floating point warnings are the caller's to switch off.
         """
         try:
-            value = np.asarray(self.model.residual(u, self._named(p)))
+            value = np.array(self.model.residual(u, self._named(p)))  # a function may fill one array again and again
         except Exception:  # noqa: BLE001 - said in words there
             return self.raw(u, p)
         return value if value.shape == (self.n,) and value.dtype.kind in "biufc" else self.raw(u, p)
+
+    def quickly_at_rows(self, u: Vector, p: Vector) -> Vector:
+        """`quickly` at the rows of u (K, n), (K, n)."""
+        found = self._at_rows(u, p, "biufc")
+        return np.array([self.quickly(row, p) for row in u]) if found is None else found
 
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """F(u, p), (n,)."""
@@ -276,6 +281,17 @@ class FunctionSystem:
                 return lines.first(u, p, direction) if by_step is None else by_step / size[k]
             return replace(lines, function=self.quickly, slope=None).pure(u, p, direction, 1)
 
+    def parameter_slopes(self, u: Array, p: Array, k: int) -> Array:
+        """`parameter_slope` at the rows of u (K, n), (K, n)."""
+        if self.model.parameter_jacobian is None and self.lines.analytic and self._takes_real_states:
+            steps = np.zeros(self.m)
+            steps[k] = max(abs(float(p[k])), float(self.lines.sizes[self.n + k]))
+            with np.errstate(all="ignore"):
+                found = by_parameters.at_rows(self.model.residual, u, self._named(by_parameters.moved(p, steps)))
+            if found is not None:
+                return np.asarray(found / steps[k])
+        return np.array([self.parameter_slope(row, p, k) for row in u])
+
     def state_jacobian(self, u: Array, p: Array) -> Array:
         """dF/du, (n, n), dense."""
         if self.model.jacobian is not None:
@@ -287,7 +303,7 @@ class FunctionSystem:
                     raise UserFunctionError(
                         f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {np.shape(matrix)}"
                     )
-                return real("Jacobian", np.asarray(matrix))
+                return real("Jacobian", np.array(matrix))
 
             full: Array = self.attempt("Jacobian", evaluate, np.full((self.n, self.n), np.nan), u, p)
             return full
@@ -352,19 +368,20 @@ class FunctionSystem:
         """F at N points u (N, n), (N, n): at once, until something is wrong with one of them."""
         others = np.asarray(p, dtype=float)
         with np.errstate(all="ignore"):
-            found = [self._quiet(np.array(at, dtype=float), others) for at in u]
-        if all(one is not None for one in found) and np.all(np.isfinite(values := np.array(found))):
+            found = self._at_rows(np.array(u, dtype=float), others, "biuf")
+        if found is not None and np.all(np.isfinite(found)):
             self._worked |= {"residual", "value"}
-            return values
+            return found
         return np.array([self.value(at, others) for at in u])
 
-    def _quiet(self, u: Array, p: Array) -> Array | None:
-        """F where the user's function gives real numbers of the right shape; None else."""
+    def _at_rows(self, u: Vector, p: Vector, kinds: str) -> Vector | None:
+        """F (K, n) at the rows of u (K, n) where the user's function gives numbers of these kinds; None else."""
+        named = self._named(p)
         try:
-            value = np.asarray(self.model.residual(u, self._named(p)))
+            found = np.array([np.array(self.model.residual(row.copy(), dict(named))) for row in u])
         except Exception:  # noqa: BLE001
-            return None  # `values` asks `value` then, which says it in words
-        return value if value.shape == (self.n,) and value.dtype.kind in "biuf" else None
+            return None  # whoever asks goes from row to row then, where it is said in words
+        return found if found.shape == u.shape and found.dtype.kind in kinds else None
 
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
         """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""

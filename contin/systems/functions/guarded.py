@@ -25,8 +25,9 @@ def called(what: str, function: Callable[..., Any], *arguments: object) -> Any:
 
 
 def vector(what: str, value: object, n: int) -> Vector:
-    """`value` as an array (n,); UserFunctionError where it is something else."""
-    array = np.asarray(value)
+    """`value` as an array (n,) of its own, for a function may fill one array again and again; UserFunctionError where
+    it is something else."""
+    array = np.array(value)
     if array.shape != (n,):
         raise UserFunctionError(
             f"the {what} must return {n} numbers, one for each state; got "
