@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from fractions import Fraction
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -29,55 +30,11 @@ def _elementary(name: str) -> Callable[..., Any]:
     return function
 
 
-_FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
-    **{name: _elementary(name) for name in _OURS}, "sqrt": np.sqrt,
-    "abs": np.abs, "sign": np.sign, "min": np.minimum, "max": np.maximum,
-    "floor": np.floor, "ceil": np.ceil, "mod": np.mod, "heaviside": lambda x: np.heaviside(x, 0.5),
-    "factorial": np.vectorize(factorial, otypes=[float]),
-    "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal,
-    "not": np.logical_not, "if": np.where,
-}  # fmt: skip
+def _sum(*x: Any) -> Any:
+    return sum(x[1:], x[0])
 
 
-class ArrayFormulas:
-    """Several formulas, evaluated together."""
-
-    def __init__(self, formulas: Sequence[Expression]) -> None:
-        order = postorder(formulas)
-        place = {node: k for k, node in enumerate(order)}
-        self._steps = [(node.op, node.value, tuple(place[a] for a in node.args)) for node in order]
-        self._roots = [place[f] for f in formulas]
-
-    def __call__(self, values: Values, size: int | tuple[int, ...]) -> list[Vector]:
-        """The value of each formula, of this shape."""
-        done: list[Any] = []
-        with np.errstate(all="ignore"):  # what is not finite is told where it matters
-            for op, value, arguments in self._steps:
-                done.append(_step(op, value, [done[a] for a in arguments], values))
-            return [np.broadcast_to(np.asarray(done[root]), size) for root in self._roots]
-
-
-def _step(op: str, value: Any, x: list[Any], values: Values) -> Any:
-    if op == "number":
-        return float(value)
-    if op == "symbol":
-        return values[value]
-    if op == "pi":
-        return np.pi
-    if op == "add":
-        return sum(x[1:], x[0])
-    if op == "mul":
-        return _product(x)
-    if op == "pow":
-        return _power(x[0], x[1])
-    if op == "and":
-        return np.logical_and.reduce(np.broadcast_arrays(*x))
-    if op == "or":
-        return np.logical_or.reduce(np.broadcast_arrays(*x))
-    return _FUNCTIONS[op](*x)
-
-
-def _product(x: list[Any]) -> Any:
+def _product(*x: Any) -> Any:
     total = x[0]
     for factor in x[1:]:
         total = total * factor
@@ -87,6 +44,51 @@ def _product(x: list[Any]) -> Any:
 def _power(base: Any, exponent: Any) -> Any:
     if np.ndim(exponent) == 0 and float(np.real(exponent)).is_integer() and abs(exponent) <= 16 and exponent != 0:
         count = int(np.real(exponent))
-        power = _product([base] * abs(count))
+        power = _product(*[base] * abs(count))
         return power if count > 0 else np.divide(1.0, power)
-    return _FUNCTIONS["pow"](base, exponent)
+    return _elementary_power(base, exponent)
+
+
+_elementary_power = _elementary("pow")
+_FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
+    **{name: _elementary(name) for name in _OURS}, "sqrt": np.sqrt,
+    "add": _sum, "mul": _product, "pow": _power,
+    "abs": np.abs, "sign": np.sign, "min": np.minimum, "max": np.maximum,
+    "floor": np.floor, "ceil": np.ceil, "mod": np.mod, "heaviside": lambda x: np.heaviside(x, 0.5),
+    "factorial": np.vectorize(factorial, otypes=[float]),
+    "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal,
+    "not": np.logical_not, "if": np.where,
+    "and": lambda *x: np.logical_and.reduce(np.broadcast_arrays(*x)),
+    "or": lambda *x: np.logical_or.reduce(np.broadcast_arrays(*x)),
+}  # fmt: skip
+_CONSTANTS: Final = ("number", "pi")
+
+
+class ArrayFormulas:
+    """Several formulas, evaluated together."""
+
+    def __init__(self, formulas: Sequence[Expression]) -> None:
+        order = postorder(formulas)
+        place = {node: k for k, node in enumerate(order)}
+        self._constants = [_constant(node) if node.op in _CONSTANTS else None for node in order]
+        self._symbols = [(k, str(node.value)) for k, node in enumerate(order) if node.op == "symbol"]
+        self._steps = [
+            (k, _FUNCTIONS[node.op], tuple(place[a] for a in node.args))
+            for k, node in enumerate(order)
+            if node.op not in (*_CONSTANTS, "symbol")
+        ]
+        self._roots = [place[f] for f in formulas]
+
+    def __call__(self, values: Values, size: int | tuple[int, ...]) -> list[Vector]:
+        """The value of each formula, of this shape."""
+        done: list[Any] = self._constants.copy()
+        for k, name in self._symbols:
+            done[k] = values[name]
+        with np.errstate(all="ignore"):  # what is not finite is told where it matters
+            for k, function, arguments in self._steps:
+                done[k] = function(*[done[a] for a in arguments])
+            return [np.broadcast_to(np.asarray(done[root]), size) for root in self._roots]
+
+
+def _constant(node: Expression) -> float:
+    return np.pi if node.op == "pi" else float(cast(Fraction | float, node.value))

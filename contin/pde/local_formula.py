@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -35,7 +35,7 @@ class LocalFormula:
         self.parameters = [name for name in used if name not in maps and name not in coordinates]
         self.size = size
         self._value = ArrayFormulas([self.formula])
-        self._forms: dict[int, ArrayFormulas] = {}
+        self._forms: dict[int, tuple[ArrayFormulas, list[list[str]]]] = {}  # with the names of the changes
 
     def slot_values(self, u: Vector, b: Vector, g: Vector | None) -> list[Vector]:
         """Each slot at the nodes."""
@@ -68,46 +68,57 @@ class LocalFormula:
         here = [s[NOTHING] for s in slots]
         named, shape = self._named(here, p), self.shape(here)
         out: Jet = {NOTHING: self._value(named, shape)[0]}
-        for subset in subsets(wanted):
+        along = {block: self._along(block, slots, rates) for block in subsets(wanted)}
+        moving = {block for block, changes in along.items() if any(np.any(x) for x in changes)}
+        for subset in along:
             total: Vector = np.zeros(shape)
-            for blocks in partitions(sorted(subset)):
-                total = total + self._form(blocks, slots, named, rates, shape)
+            for blocks in partitions(subset):
+                if moving.issuperset(blocks):
+                    total = total + self._form([along[block] for block in blocks], named, shape)
             out[subset] = total
         return out
 
+    def _along(
+        self, block: frozenset[int], slots: Sequence[Jet], rates: Sequence[Mapping[str, float]]
+    ) -> list[Vector | float]:
+        """The derivatives of slots and parameters along the directions of a block."""
+        single = rates[next(iter(block))] if len(block) == 1 else {}
+        return [*(s.get(block, 0.0) for s in slots), *(single.get(name, 0.0) for name in self.parameters)]
+
     def _form(
-        self, blocks: Sequence[frozenset[int]], slots: Sequence[Jet], named: Mapping[str, object],
-        rates: Sequence[Mapping[str, float]], shape: tuple[int, ...],
-    ) -> Vector:  # fmt: skip
-        """D^k f [q_1, ..., q_k], q_j the derivatives of slots and parameters along the j-th block."""
-        k, names = len(blocks), [*self.slots, *self.parameters]
+        self, along: Sequence[Sequence[Vector | float]], named: Mapping[str, object], shape: tuple[int, ...]
+    ) -> Vector:
+        """D^k f [q_1, ..., q_k], q_j changes of slots and parameters."""
+        k = len(along)
         if k not in self._forms:
+            names = [*self.slots, *self.parameters]
             directions = [direction_symbols(j + 1, len(names)) for j in range(k)]
-            self._forms[k] = ArrayFormulas(directional([self.formula], names, directions))
+            called = [[str(symbol.value) for symbol in direction] for direction in directions]
+            self._forms[k] = ArrayFormulas(directional([self.formula], names, directions)), called
+        form, called = self._forms[k]
         values = dict(named)
-        for j, block in enumerate(blocks):
-            along = [s.get(block, 0.0) for s in slots]
-            single = rates[next(iter(block))] if len(block) == 1 else {}
-            along += [single.get(name, 0.0) for name in self.parameters]
-            values.update({str(s.value): x for s, x in zip(direction_symbols(j + 1, len(names)), along, strict=True)})
-        return self._forms[k](values, shape)[0]
+        for names, changes in zip(called, along, strict=True):
+            values.update(zip(names, changes, strict=True))
+        return form(values, shape)[0]
 
 
-def subsets(whole: frozenset[int]) -> list[frozenset[int]]:
+@cache
+def subsets(whole: frozenset[int]) -> tuple[frozenset[int], ...]:
     """All but the empty one, smaller ones first."""
     members = sorted(whole)
     found = [frozenset(m for i, m in enumerate(members) if code >> i & 1) for code in range(1, 1 << len(members))]
-    return sorted(found, key=lambda s: (len(s), sorted(s)))
+    return tuple(sorted(found, key=lambda s: (len(s), sorted(s))))
 
 
-def partitions(members: Sequence[int]) -> list[list[frozenset[int]]]:
+@cache
+def partitions(whole: frozenset[int]) -> tuple[tuple[frozenset[int], ...], ...]:
     """All ways to cut a set into blocks."""
-    if not members:
-        return [[]]
-    first, rest = members[0], partitions(members[1:])
-    found = []
-    for blocks in rest:
-        found.append([frozenset({first}), *blocks])
+    if not whole:
+        return ((),)
+    first = min(whole)
+    found: list[tuple[frozenset[int], ...]] = []
+    for blocks in partitions(whole - {first}):
+        found.append((frozenset({first}), *blocks))
         for k, block in enumerate(blocks):
-            found.append([*blocks[:k], block | {first}, *blocks[k + 1 :]])
-    return found
+            found.append((*blocks[:k], block | {first}, *blocks[k + 1 :]))
+    return tuple(found)
