@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
@@ -23,6 +24,8 @@ from contin.search.deflated_newton import LONGEST, SHORT, beside, is_new
 from contin.search.guesses import images, moved, with_window
 from contin.search.index_sums import index_between, words
 
+UNLIKE: Final = 100.0  # times a state's size, that another one's is where their units differ
+
 Follow = Callable[[Seed, str], Branch]  # the branch from a seed, under a name
 
 
@@ -30,8 +33,9 @@ Follow = Callable[[Seed, str], Branch]  # the branch from a seed, under a name
 class DeflatedBranches:
     """What is known so far; `problem` is that of the first branch.
 
-    guesses : states (n,) from which solutions are looked for, too.  tries : guesses with a window that may fail one
-    after the other before the search at a value ends.  most : branches.
+    guesses : states (n,) from which solutions are looked for, too. Here these, and all solutions known, are in `units`,
+    those of the metric where sizes of states are unlike: lengths of states in different units mean nothing.
+    tries : guesses with a window that may fail one after the other before the search at a value ends.  most : branches.
     """
 
     problem: EquilibriumProblem | LargeProblem
@@ -46,11 +50,17 @@ class DeflatedBranches:
     searched: dict[float, int] = field(default_factory=dict)  # known at a value when its search ended
     full: bool = False
     random: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))  # of windows
+    units: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        scale = self.problem.initial_scale(np.append(self.guesses[0], self.bounds[0]), self.bounds)[:-1]
+        self.units = scale if float(scale.max()) > UNLIKE * float(scale.min()) else np.ones_like(scale)
+        self.guesses = [guess / self.units for guess in self.guesses]
 
     def add(self, seed: Seed) -> None:
         """Follow the branch through a solution, unless that is known, and those that cross it."""
         known = self.known(float(seed.z[-1]))
-        if not self.branches or is_new(seed.z[:-1], known, self._size(known)):
+        if not self.branches or is_new(seed.z[:-1] / self.units, known, self._size(known)):
             self._followed(seed)
 
     def _followed(self, seed: Seed) -> None:
@@ -74,15 +84,15 @@ class DeflatedBranches:
 
     def _is_row_new(self, branch: Branch, row: int) -> bool:
         known = self.known(float(branch.z[row, -1]))
-        return is_new(branch.z[row, :-1], known, 1e2 * self._size(known))
+        return is_new(branch.z[row, :-1] / self.units, known, 1e2 * self._size(known))
 
     def _size(self, known: Sequence[Array]) -> float:
         """The largest norm of what is known; where all is zero, that of states of the size in the problem's metric."""
         largest = max((norm(u) for u in [*known, *self.guesses]), default=0.0)
         if largest > 0.0:
             return largest
-        scale = self.problem.initial_scale(np.append(self.guesses[0], self.bounds[0]), self.bounds)
-        return float(np.median(scale[:-1]))
+        scale = self.problem.initial_scale(np.append(self.guesses[0] * self.units, self.bounds[0]), self.bounds)
+        return float(np.median(scale[:-1] / self.units))
 
     def known(self, value: float) -> list[Array]:
         """The solutions (n,) of all branches at a value of the parameter, each once."""
@@ -98,8 +108,8 @@ class DeflatedBranches:
                 weight = gaps[k] / (gaps[k] - gaps[k + 1])
                 guess = branch.z[k] + weight * (branch.z[k + 1] - branch.z[k])
                 z = branch.problem.at_parameter(guess, value, branch.problem.initial_scale(guess, self.bounds))
-                if z is not None and is_new(z[:-1], solutions, self._size([])):
-                    solutions.append(z[:-1])
+                if z is not None and is_new(z[:-1] / self.units, solutions, self._size([])):
+                    solutions.append(z[:-1] / self.units)
                     indices.append(index_between(branch.columns.get("unstable"), int(k)))
         return solutions, indices
 
@@ -129,7 +139,7 @@ class DeflatedBranches:
             if u is None:
                 continue
             self.found[value] = self.found.get(value, 0) + 1
-            self._followed(Seed(self.problem, np.append(u, value)))
+            self._followed(Seed(self.problem, np.append(u * self.units, value)))
             self.full = len(self.branches) >= self.most
             after = self.known(value)
             known[:] = after if not is_new(u, after, size) else [*after, u]
@@ -138,13 +148,14 @@ class DeflatedBranches:
 
     def _step(self, u: Array, value: float) -> Array | None:
         """Newton's step at u."""
-        problem, z = self.problem, np.append(u, value)
+        problem, z = self.problem, np.append(u * self.units, value)
         if isinstance(problem, LargeProblem):
             f = problem.residual(z)
             linear = problem.linear(z) if np.all(np.isfinite(f)) else None
-            return None if linear is None else np.asarray(linear.solve(-f))
-        f, matrix = problem.system.jacobian(u, problem.full_parameters(z))
-        return solution(matrix[:, : len(u)], -f)  # None: the search from this guess ends, without success
+            return None if linear is None else np.asarray(linear.solve(-f)) / self.units
+        f, matrix = problem.system.jacobian(z[:-1], problem.full_parameters(z))
+        step = solution(matrix[:, : len(u)], -f)
+        return None if step is None else step / self.units  # None: the search from this guess ends, without success
 
     def notes(self, values: Sequence[float]) -> list[str]:
         """What is known at each value, in words."""
