@@ -7,12 +7,13 @@ import contin
 from contin.model.evaluate import evaluate
 from tests.models.closed_curves import special_points
 from tests.models.curves import CURVES
+from tests.models.loaded import load
 
 
 def cases():
     """Every expectation of folds and Hopf points over one run in the parameter of a known curve."""
     for name, curve in CURVES.items():
-        for k, item in enumerate(contin.load(name).expect):
+        for k, item in enumerate(load(name).expect):
             [run, *more] = item.runs
             start = run.get("start", "prey" if name == "predator-prey" else None)
             known = not more and run["parameter"] == curve.parameter and start in (None, "prey", "inner")
@@ -22,7 +23,7 @@ def cases():
 
 @pytest.mark.parametrize(("name", "k"), list(cases()))
 def test_folds_and_hopf_points_are_where_the_determinants_change_sign(name, k):
-    model = contin.load(name)
+    model = load(name)
     item = model.expect[k]
     [run] = item.runs
     values = {key: mpmath.mpf(str(evaluate_number(v))) for key, v in run.get("parameters", {}).items()}

@@ -6,25 +6,26 @@ import contin
 from contin.model import registry
 from contin.runs.engine import ContinEngine
 from contin.runs.expect import verify
+from tests.models.loaded import load
 
 NAMES = [line.name for line in registry.listing() if line.source == "contin"]
 ENTRIES = [
     pytest.param(name, k, id=f"{name}-{k}-{item.label}")
     for name in NAMES
-    for k, item in enumerate(contin.load(name).expect)
+    for k, item in enumerate(load(name).expect)
 ]
 
 
 @pytest.mark.parametrize(("name", "k"), ENTRIES)
 def test_the_expected_points_are_found_and_no_others(name, k):
-    model = contin.load(name)
+    model = load(name)
     report = verify(model, model.expect[k], ContinEngine())
     assert report.holds, report.text
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_model_says_where_it_comes_from_and_what_to_expect(name):
-    model = contin.load(name)
+    model = load(name)
     assert model.title
     assert model.source
     assert model.expect

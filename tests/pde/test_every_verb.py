@@ -111,8 +111,8 @@ def test_functions_whose_states_have_no_names_have_columns_of_their_norm():
         return [*(p["mu"] * x - y - square * x + pulled[0]), *(x + p["mu"] * y - square * y + pulled[1])]
 
     function = contin.FunctionProblem(ring, [0.5] * (n // 2) + [0.0] * (n // 2), {"mu": 0.25})
-    orbit = contin.periodic_orbit(function)
-    family = contin.continuation(orbit, "mu", (0.24, 0.26), settings={"steps": 1})
+    orbit = contin.periodic_orbit(function, intervals=10)
+    family = contin.continuation(orbit, "mu", (0.24, 0.26), settings={"steps": 1, "intervals": 10})
     assert family.columns["norm.max"] == pytest.approx((family.columns["mu"] / 2.0) ** 0.5, rel=1e-5)
 
 
