@@ -18,13 +18,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.sample import Chunk, Sample
+from contin.kernels.rows_in_doubt import ASIDE, COUNTS, LEVEL, STRAY, UNEXPLAINED, VANISHED, are_explained
 
-UNEXPLAINED: Final = 0.2  # part of a state's change, or of its slopes' (of resolved steps: 1e-3)
-STRAY: Final = 0.6  # part of a state's largest slope by which it differs from the line through the two before
-ASIDE: Final = 0.09  # part of a step's length by which a state is not where the mean tangent leads (of resolved: 1e-2)
-VANISHED: Final = 1e-2  # part of a state that a step leaves of it where it is zero on another branch, ...
-LEVEL: Final = 0.1  # ... and part of its slope, where it is constant there
-COUNTS: Final = 3e-4  # of its scale: a state that changes less in a step is not asked by itself (a cubic's flat middle)
 CORNERED: Final = 1e-3  # arclength of a step in which a corner is looked for
 SHORT: Final = 1e-6  # arclength of a step that is not asked: at a corner none is explained
 
@@ -51,6 +46,8 @@ def first_unexplained(
     leaves in scaled unknowns.  least : the smallest step.  alone : `Problem.asked_alone`, of what is asked in its own
     size, not only in the step's.
     """
+    if _are_explained(chunk, before, length, scale, noise, alone):
+        return None
     y, t, h = chunk.z / scale, chunk.tangents, chunk.lengths[1:, None]
     step, bend = y[1:] - y[:-1], (t[1:] - t[:-1]) / h
     rest = step - 0.5 * h * (t[:-1] + t[1:])
@@ -78,6 +75,21 @@ def first_unexplained(
         return None
     long, over = h[:, 0] > max(SHORT, 2.0 * least), vanished & (h[:, 0] < CORNERED)
     return Unexplained(_first(strange & long), _first(over))
+
+
+def _are_explained(
+    chunk: Chunk, before: Sample | None, length: float, scale: Array, noise: float,
+    alone: Callable[[Array], Array | None],
+) -> bool:  # fmt: skip
+    """True where all are, for one pass over the rows; false, too, where lengths of several unknowns are asked."""
+    asked = alone(chunk.z[:1])
+    each = asked is not None and asked.shape == (1, len(scale))
+    if asked is not None and not each:
+        return False
+    known = each and before is not None and length > 0.0
+    earlier, length = (before.tangent, length) if known and before is not None else (chunk.tangents[0], 0.0)
+    rows = map(np.ascontiguousarray, (chunk.z, chunk.tangents, chunk.lengths))
+    return bool(are_explained(*rows, scale, earlier, length, noise, each))
 
 
 def _first(rows: NDArray[np.bool_]) -> int | None:

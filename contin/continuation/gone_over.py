@@ -20,8 +20,9 @@ from contin.abi import Array
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 from contin.continuation.singular_between import singular_between
-from contin.continuation.unexplained_steps import NEXT, ROUNDED, VANISHED, Lengths, suspicious
+from contin.continuation.unexplained_steps import Lengths, suspicious
 from contin.continuation.way_back import APART, ASIDE, CLEAR, LED, LEFT, MET, RETURNED, Answer, followed, way_back
+from contin.kernels.rows_in_doubt import EPSILON, NEXT, REMNANT, may_none_be_of_two
 
 SOLVED: Final = 1e-8  # scaled: what the corrector leaves in rows
 MOST: Final = 20  # suspicious steps of an arm that are looked at: each costs a few times `PARTS` solutions
@@ -43,10 +44,14 @@ def gone_over(
             return Answer.ONE
         return _compared(problem, z[rows], scale, noise)
 
-    return first_beyond(
-        len(z), start, labelled,
-        lambda rows, sense: _suspicious(z, sense * tangents, rows, scale, problem.angle_periods, noise), compared, MOST,
-    )  # fmt: skip
+    angles = problem.angle_periods
+
+    def strange(rows: NDArray[np.intp], sense: int) -> Array:
+        if may_none_be_of_two(*map(np.ascontiguousarray, (z, tangents)), scale, angles, noise, start, sense):
+            return np.zeros(len(rows) - 1)
+        return _suspicious(z, sense * tangents, rows, scale, angles, noise)
+
+    return first_beyond(len(z), start, labelled, strange, compared, MOST)
 
 
 def first_beyond(
@@ -108,7 +113,7 @@ def _on_one_curve(problem: Problem, z: Array, tangents: Array, scale: Array) -> 
     rise, fall = length * tangents / np.linalg.norm(tangents / scale, axis=1)[:, None]
     rise, fall = (v * np.sign((z[1] - z[0])[-1] * v[-1]) for v in (rise, fall))
     step = Step((z[0], z[1]), rise, (rise[-1:], fall[-1:]), scale)
-    return on_cubic(problem, step, (z[0], z[1]), (rise, fall), lambda found: found, np.abs, ROUNDED * scale)
+    return on_cubic(problem, step, (z[0], z[1]), (rise, fall), lambda found: found, np.abs, EPSILON * scale)
 
 
 def _compared(problem: Problem, z: Array, scale: Array, noise: float) -> Answer:
@@ -149,6 +154,6 @@ def _leads_away(
     """Which unknowns are elsewhere at the end of the way back, or all but zero on it and not at the row before."""
     moved, apart, size = (np.abs(v) for v in (first - last, at - first, first))
     away = (apart > APART * moved) & (moved > known) & (hop < APART * apart)
-    falls = (np.abs(last) < VANISHED * size) & (np.abs(at) < VANISHED * size)
-    falls &= (np.abs(first - here) < APART * np.abs(here)) & (size > ROUNDED * scale)
+    falls = (np.abs(last) < REMNANT * size) & (np.abs(at) < REMNANT * size)
+    falls &= (np.abs(first - here) < APART * np.abs(here)) & (size > EPSILON * scale)
     return np.asarray(away | falls)

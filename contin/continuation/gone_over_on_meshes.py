@@ -19,8 +19,9 @@ from contin.continuation.gone_over import first_beyond
 from contin.continuation.one_curve import Step, on_cubic
 from contin.continuation.problem import Problem
 from contin.continuation.singular_between import singular_between
-from contin.continuation.unexplained_steps import VANISHED, suspicious
+from contin.continuation.unexplained_steps import suspicious
 from contin.continuation.way_back import APART, ASIDE, CLEAR, LED, LEFT, MET, RETURNED, Answer, followed, way_back
+from contin.kernels.rows_in_doubt import REMNANT
 from contin.machine import elementary
 
 NOISE: Final = 1e-6  # of a function's size: meshes leave as much of it unknown
@@ -141,7 +142,7 @@ def _compared(problem: Problem, z: Array, sizes: Array, bounds: tuple[float, flo
     gap = apart(at, first)
     own, one, other = (length(v, v) for v in (first, last, at))
     away = (gap > APART * moved) & (moved > known) & (hop < APART * gap)
-    falls = (one < VANISHED * own) & (other < VANISHED * own) & (own > known)
+    falls = (one < REMNANT * own) & (other < REMNANT * own) & (own > known)
     far = np.maximum(gap, apart(at, last))
     kept = apart(first, start) < APART * moved  # the row before is the solution that is asked
     if not np.any((away | falls) & kept) or np.any(apart(last, there) > np.maximum(LEFT * far, allowed)):

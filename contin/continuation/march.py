@@ -7,6 +7,7 @@ problem's own linear algebra, which it offers as a `Linearisation` at a point.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol, cast
 
@@ -340,19 +341,25 @@ def _what_happened(
     return None, 0
 
 
-def until_dip(chunk: Chunk, before: Sample | None, length: float, first: int) -> Chunk:
+def until_dip(
+    chunk: Chunk, before: Sample | None, length: float, first: int,
+    counts: Callable[[int, int], bool] = lambda row, test: True,
+) -> Chunk:  # fmt: skip
     """The chunk up to the row after the first at which a test from `first` on dips, as a march that looks has it.
 
-    For marches whose kernels do not look. length : of the step from `before` to row 0.
+    For marches whose kernels do not look. length : of the step from `before` to row 0.  counts : whether a dip of a
+    test at a row may hide something.
     """
     tests, lengths = chunk.tests, chunk.lengths
     start = 1
     if before is not None and before.tests.shape == tests.shape[1:] and length > 0.0:
         tests, lengths = np.vstack([before.tests, tests]), np.concatenate([[0.0, length], lengths[1:]])
         start = 0
-    for row in range(1, len(tests) - 1):
-        for i in range(first, tests.shape[1]):
-            if is_dip(tests[row - 1, i], tests[row, i], tests[row + 1, i], lengths[row], lengths[row + 1]):
-                here = row - 1 + start
-                return replace(chunk.cut(here + 2, Stop.DIP, float(chunk.lengths[here + 1])), dipped=i)
+    sizes = np.abs(tests[:, first:])
+    lowest = (sizes[1:-1] < sizes[:-2]) & (sizes[1:-1] <= sizes[2:])  # of every dip
+    for row, i in np.argwhere(lowest).tolist():
+        row, i = row + 1, i + first
+        here = row - 1 + start
+        if is_dip(*tests[row - 1 : row + 2, i].tolist(), *lengths[row : row + 2].tolist()) and counts(here, i):
+            return replace(chunk.cut(here + 2, Stop.DIP, float(chunk.lengths[here + 1])), dipped=i)
     return chunk

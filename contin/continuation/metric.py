@@ -18,13 +18,10 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.sample import Chunk, Sample
+from contin.kernels.rows_in_doubt import ROUNDED, SMALL, STAYS, UNEXPLAINED, are_resolved
 
 FAR: Final = 10.0  # scales; a state that grows is rescaled long before
 JOURNEY: Final = 20.0  # scales that such a state may move in one chunk
-SMALL: Final = 0.01  # of a scale: states that stay below it are measured by their own size where ...
-ROUNDED: Final = 1e-7  # of a scale: less is what rounding of terms of the scale's size may leave of zero
-STAYS: Final = 0.25  # of the larger of two values, the other: on the way through zero a state's value is not its size
-UNEXPLAINED: Final = 0.2  # ... so much of their change from row to row is not that of the mean tangent
 
 
 def far_from_zero(z: Array, scale: Array, angle_periods: Array) -> NDArray[np.bool_]:
@@ -59,6 +56,8 @@ def unresolved(chunk: Chunk, scale: Array, angle_periods: Array, noise: float) -
 
     noise : what the corrector leaves in scaled unknowns; smaller changes tell nothing.
     """
+    if are_resolved(*map(np.ascontiguousarray, (chunk.z, chunk.tangents)), scale, angle_periods, noise):
+        return None
     y, n = chunk.z / scale, len(scale) - 1
     moved, mean = np.diff(y, axis=0), 0.5 * (chunk.tangents[1:] + chunk.tangents[:-1])
     squares = np.maximum(np.sum(mean * mean, axis=1), np.finfo(float).tiny)

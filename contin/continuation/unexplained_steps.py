@@ -14,14 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.kernels.rows_in_doubt import EPSILON, NEXT, REMNANT, STRAY, UNEXPLAINED
 from contin.linalg.vectors import norm
 
-UNEXPLAINED: Final = 0.2  # part of a state's change that is not what its slopes lead to (of resolved steps: 1e-3)
-STRAY: Final = 0.6  # part of a state's slope by which it differs from the line through the two before
-VANISHED: Final = 0.05  # part of a state that a few steps leave of it where it is zero on another branch
-ROUNDED: Final = float(np.finfo(float).eps)  # scaled: a state below it is the rounding of one that is zero
 SHORT: Final = 1024  # unknowns: differences of all rows at once; longer ones row by row, in less memory
-NEXT: Final = 3  # rows: one or two that the corrector leaves between two branches are none of either
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +85,7 @@ def _vanishing(
     moved, before, steep, level = far - near, alone(near), alone(t_near), alone(t_far)
     length = whole.ways[:, None]
     left = np.maximum(alone(moved - length * t_far), alone(moved - 0.5 * length * (t_near + t_far)))
-    little = _part(left, before, UNEXPLAINED) * ((alone(far) < VANISHED * before) & (before > ROUNDED))
-    flat = _part(left, length * steep, UNEXPLAINED) * (level < VANISHED * steep)
+    little = _part(left, before, UNEXPLAINED) * ((alone(far) < REMNANT * before) & (before > EPSILON))
+    flat = _part(left, length * steep, UNEXPLAINED) * (level < REMNANT * steep)
     flat *= (length * steep > noise) & (whole.slopes[ahead] * whole.slopes[:-1] > 0.0)
     return np.maximum(little, flat)

@@ -28,7 +28,7 @@ from contin.machine.objects import MachineCode
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
 _DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
 
-_FOLLOWED: Final = ("defining", "rest_of_step.is_clear", "steering.is_dip")
+_FOLLOWED: Final = ("defining", "rest_of_step.is_clear", "rows_in_doubt", "steering.is_dip")
 NEXT: Final = {
     "grading": ("algebraic", *_FOLLOWED), "eigen": ("algebraic", *_FOLLOWED), "algebraic": _FOLLOWED,
 }  # fmt: skip

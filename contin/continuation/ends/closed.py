@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.arm import Arm
@@ -67,24 +68,25 @@ class _Loop:
     def closed(self, segment: Segment) -> Segment | None:
         """The segment up to the start, where one of its steps passes that."""
         target = self.first / self.sizes
+        near = self._come_near(segment.z)
         for row, z in enumerate(segment.z):
             last, self.last = self.last, z
-            if self.away is not None and not self._comes_near(last, z):
+            if self.away is not None and not near[row]:
                 continue
             before = self._marks(last[None])[0] / self.sizes
             step = self._marks(z[None])[0] / self.sizes - before
             if self.away is None:
                 self.away = step
-            elif float(step @ self.away) > 0.0 and _passes(before, step, target, BESIDE):
+            elif float(step @ self.away) > 0.0 and _pass(before[None], step[None], target, BESIDE)[0]:
                 there = self._solved(segment, row, step)
                 if there is not None:
                     return replace(segment.cut(row + 1), z=np.vstack([segment.z[:row], there]))
         return None
 
-    def _comes_near(self, last: Array, z: Array) -> bool:
-        """True where the parameters, which cost nothing, do not rule out that the step from `last` to z does."""
-        ends = last[self.places] / self.sizes[:2], z[self.places] / self.sizes[:2]
-        return _passes(ends[0], ends[1] - ends[0], self.first[:2] / self.sizes[:2], WIDELY, around=1.0)
+    def _come_near(self, rows: Array) -> NDArray[np.bool_]:
+        """True for rows to which the parameters, which cost nothing, do not rule out that a step passes the start."""
+        ends = np.vstack([self.last[self.places], rows[:, self.places]]) / self.sizes[:2]
+        return _pass(ends[:-1], np.diff(ends, axis=0), self.first[:2] / self.sizes[:2], WIDELY, around=1.0)
 
     def _solved(self, segment: Segment, row: int, step: Array) -> Array | None:
         """The point of the curve at the start's value of the parameter that moves most; None if it is another one."""
@@ -97,9 +99,10 @@ class _Loop:
         return np.asarray(z) if float(np.abs(gaps).max()) < SAME else None
 
 
-def _passes(a: Array, step: Array, target: Array, beside: float, around: float = 0.0) -> bool:
-    """True where the target is beside the chord, or the part `around` of its length before or after it."""
-    length = float(step @ step)
-    t = float((target - a) @ step) / max(length, 1e-300)
-    near = float(np.linalg.norm(a + t * step - target)) <= beside * np.sqrt(length)
-    return -around < t <= 1.0 + around and near
+def _pass(a: Array, step: Array, target: Array, beside: float, around: float = 0.0) -> NDArray[np.bool_]:
+    """Of chords in rows, where the target is beside one, or the part `around` of its length before or after it."""
+    length = np.einsum("ij,ij->i", step, step)
+    t = np.einsum("ij,ij->i", target - a, step) / np.maximum(length, 1e-300)
+    away = a + t[:, None] * step - target
+    near = np.sqrt(np.einsum("ij,ij->i", away, away)) <= beside * np.sqrt(length)
+    return np.asarray((-around < t) & (t <= 1.0 + around) & near)

@@ -101,9 +101,9 @@ class ExtendedCurve(Gauged):
     def _template(self) -> Array:
         """Parameters of the extended system with the sizes, without border and first parameter."""
         values = np.ones(self.extended.m)
-        kept = np.delete(self.base, self.second)
-        values[: len(kept)] = kept
-        first = len(kept) + len(loci.ROWS)
+        kept = len(self.base) - 1
+        values[: self.second], values[self.second : kept] = self.base[: self.second], self.base[self.second + 1 :]
+        first = kept + len(loci.ROWS)
         values[first : first + self.n] = self.sizes
         return values
 

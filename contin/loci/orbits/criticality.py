@@ -181,13 +181,15 @@ def _beside_poles(curve: CriticalCurve, rows: list[Sample]) -> list[int]:
 
     There a test of them comes nearer to zero than it changes in a step, and turns round.
     """
-    found = []
-    for k in range(1, len(rows) - 1):
-        before, here, after = (row.tests[list(POLES[curve.type])] for row in rows[k - 1 : k + 2])
-        turns = (np.abs(here) <= np.abs(before)) & (np.abs(here) <= np.abs(after)) & (before * after > 0.0)
-        if np.any(turns & (np.abs(here) <= np.maximum(np.abs(before - here), np.abs(after - here)))):
-            found.append(k)
-    return found
+    places = list(POLES[curve.type])
+    tests = np.array([row.tests[places] for row in rows])
+    if len(tests) < 3:
+        return []
+    before, here, after = tests[:-2], tests[1:-1], tests[2:]
+    size = np.abs(here)
+    turns = (size <= np.abs(before)) & (size <= np.abs(after)) & (before * after > 0.0)
+    turns &= size <= np.maximum(np.abs(before - here), np.abs(after - here))
+    return (1 + np.flatnonzero(turns.any(axis=1))).tolist()
 
 
 def is_zero(curve: CriticalCurve, value: float) -> bool:

@@ -84,7 +84,13 @@ class OrbitLocusProblem(OfSpecialOrbits):
             chunk = self._through_halves(chunk, turned, before, length, frame, settings)
         chunk = criticality.cut_at_change(self.curve, chunk, frame.scale)
         chunk = cut_at_birth(self, chunk, frame, settings) if self.curve.orbits.autonomous else chunk
-        return until_dip(with_told_crossings(self.locus, chunk), before, length, FIRST_TEST)
+        turns = self.test_of("CPC") if self.locus == "LPC" else None
+
+        def counts(row: int, test: int) -> bool:
+            """A curve turns round where its orbits shrink to a point: see `events.located`."""
+            return test != turns or not self.has_shrunk(chunk.z[row], frame.scale)
+
+        return until_dip(with_told_crossings(self.locus, chunk), before, length, FIRST_TEST, counts)
 
     def _through_halves(
         self, chunk: Chunk, turned: tuple[int, float], before: Sample | None, length: float, frame: Frame,

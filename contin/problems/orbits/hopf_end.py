@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final, Protocol
 
@@ -15,6 +16,7 @@ STEPS: Final = 12  # secants to the point
 ACCURATE: Final = 1e-3  # arclength to the point; its parameters change by the square of that
 TIMES: Final = np.linspace(0.0, 1.0, 64, endpoint=False)
 ALIKE: Final = 0.5  # cosine
+BLOCK: Final = 100_000  # numbers of rows that are compared at once
 SMALL: Final = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 
 
@@ -50,10 +52,7 @@ def cut_at_birth(problem: Shrinking, chunk: Chunk, frame: Frame, settings: Setti
     """The chunk up to the point at which the amplitude of its orbits passes zero, which becomes the last row."""
     if len(chunk) < 2 or problem.winding.any():
         return chunk
-    values = [problem.profile(z).u for z in chunk.z]
-    for k in range(len(chunk) - 1):
-        if _are_alike(values[k], values[k + 1]):
-            continue
+    for k in _unlike(problem, chunk.z):
         shape, following = (_deviations(problem, z, frame.scale) for z in chunk.z[k : k + 2])
         if float(np.sum(shape * following)) < 0.0:
             last = _smallest(problem, chunk.sample(k), shape, float(chunk.lengths[k + 1]), frame, settings)
@@ -63,12 +62,19 @@ def cut_at_birth(problem: Shrinking, chunk: Chunk, frame: Frame, settings: Setti
     return chunk
 
 
-def _are_alike(a: Array, b: Array) -> bool:
-    """True where every state goes up and down alike in both, (points, n): most rows need no closer look."""
-    if a.shape != b.shape:
-        return False
-    a, b = a - a.mean(axis=0), b - b.mean(axis=0)
-    return bool(np.all(np.sum(a * b, axis=0) >= ALIKE * np.sqrt(np.sum(a * a, axis=0) * np.sum(b * b, axis=0))))
+def _unlike(problem: Shrinking, rows: Array) -> Iterator[int]:
+    """Rows (K, N) from which to the next one not every state goes up and down alike: most need no closer look."""
+    some = max(BLOCK // rows.shape[1], 2)
+    for first in range(0, len(rows) - 1, some - 1):
+        values = [problem.profile(z).u for z in rows[first : first + some]]
+        if len({u.shape for u in values}) > 1:
+            yield from range(first, first + len(values) - 1)
+            continue
+        u = np.array(values)
+        u -= np.einsum("kij->kj", u)[:, None] / u.shape[1]
+        squares, products = np.einsum("kij,kij->kj", u, u), np.einsum("kij,kij->kj", u[:-1], u[1:])
+        alike = (products >= ALIKE * np.sqrt(squares[:-1] * squares[1:])).all(axis=1)
+        yield from (first + np.flatnonzero(~alike)).tolist()
 
 
 def has_shrunk(problem: Shrinking, z: Array, scale: Array) -> bool:

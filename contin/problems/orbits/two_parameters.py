@@ -68,7 +68,7 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
 
     def orbit(self, z: Array) -> Array:
         """(u, T, h, p), also of a metric or tangent."""
-        return np.append(z[: -2 - self.extra], z[-1])
+        return np.concatenate((z[: -2 - self.extra], z[-1:]))
 
     def settled(self, z: Array, scale: Array) -> Self:
         """The curve with what fits z: borders, or the orbit that the phase condition refers to."""

@@ -27,6 +27,7 @@ from contin.machine import elementary
 from contin.normalforms.cycles import coefficient
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.march.rows import Rows
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.normal_forms.normal_form import Forms
 from contin.problems.orbits.special_orbits import borders
 from contin.problems.orbits.special_orbits.on_one_mesh import KINDS, Gauge, Normals, Work
@@ -57,6 +58,10 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         return int(self.type in ("NS", "BPC"))
 
     # -- layout -------------------------------------------------------------------------------------------------------
+
+    def profile(self, z: Array) -> Profile:
+        """Its states are among the unknowns, whatever the parameters."""
+        return self.orbits.profile(self.orbit(z))
 
     def theta(self, z: Array) -> float:
         return float(elementary.acos(np.clip(z[-3], -1.0, 1.0))) if self.type == "NS" else 0.0
