@@ -10,9 +10,7 @@ from tests.models.loaded import load
 
 NAMES = [line.name for line in registry.listing() if line.source == "contin"]
 ENTRIES = [
-    pytest.param(name, k, id=f"{name}-{k}-{item.label}")
-    for name in NAMES
-    for k, item in enumerate(load(name).expect)
+    pytest.param(name, k, id=f"{name}-{k}-{item.label}") for name in NAMES for k, item in enumerate(load(name).expect)
 ]
 
 
