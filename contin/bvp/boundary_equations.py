@@ -12,6 +12,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.two_point import TwoPoint, two_point
 from contin.bvp.workspace import Workspace
+from contin.continuation.choices import Choices
 from contin.continuation.problem import Problem
 from contin.errors import InputError
 from contin.kernels.boundary_march import Conditions, new_conditions
@@ -156,7 +157,7 @@ class BoundaryEquations(Problem):
     def formulas(self) -> object:
         return self.two.model
 
-    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+    def choices(self, z: Array) -> Choices:
         return choices_of(self, z)
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:

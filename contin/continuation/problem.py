@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.continuation.choices import Choices
 from contin.continuation.outcome import NOTHING, Corner, Jump, Outcome, Verified
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
@@ -332,10 +333,9 @@ class Problem(ABC):
         """The model of formulas that is solved; None of users' functions."""
         return None
 
-    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
-        """Functions of the parameters alone whose signs choose formulas: texts 'h = 0' of k, and values (K, k) at rows
-        z (K, N)."""
-        return (), np.empty((len(z), 0))
+    def choices(self, z: Array) -> Choices:
+        """Functions of the parameters alone that choose formulas, at rows z (K, N)."""
+        return Choices.none(len(z))
 
     def separated(self, a: Array, b: Array) -> bool:
         """True where the equations jump somewhere between a and b: no branch leads across."""

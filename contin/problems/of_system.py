@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from contin.abi import Array
+from contin.continuation.choices import Choices
 from contin.continuation.problem import Problem
 from contin.problems.surfaces.of_parameters import choices_of
 
@@ -34,5 +34,5 @@ class ProblemOfSystem(Problem):
     def formulas(self) -> object:
         return self.system.model
 
-    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+    def choices(self, z: Array) -> Choices:
         return choices_of(self, z)

@@ -89,3 +89,40 @@ def test_rows_beyond_a_jump_that_nothing_leads_to_do_not_belong_to_the_branch():
         equations={"x": "(1 - heaviside(p - 0.5))*(p - x) + heaviside(p - 0.5)*(p - 0.51 - (x - 0.5)^2)"},
     )  # fmt: skip
     assert_ends_at(api.continuation(api.equilibrium(model), "p", (0.1, 1.0), settings={"step": 0.2}), 0.5)
+
+
+@pytest.mark.parametrize("size", [0.1, 1e-4])
+def test_functions_of_two_parameters(size):
+    """Along the folds p = 2 ((1 + q)/3)^(3/2) the function changes its sign where p + 2 q = 6/5."""
+    model = contin.Model(
+        "curve", states={"x": -1}, parameters={"p": -0.9, "q": 0.1},
+        equations={"x": f"p + (1 + q)*x - x^3 + {jump(size, 'p + 2*q - 1.2')}"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "p", (-2, 2))
+    curve = api.continuation(line["LP1"].locus(), ["p", "q"], {"p": (-3, 3), "q": (0, 1)})
+    p, q = (curve.columns[name][-1] for name in ("p", "q"))
+    assert curve.ends[1].reason == "surface"
+    assert p + 2 * q == pytest.approx(1.2, abs=1e-8)
+    assert p == pytest.approx(2 * ((1 + q) / 3) ** 1.5, abs=1e-8)
+
+
+@pytest.mark.parametrize("size", [0.1, 1e-4])
+@pytest.mark.parametrize(("step", "at"), [("floor(3*p)", 1 / 3), ("ceil(20*p - 0.1)", 0.105), ("mod(p, 0.45)", 0.45)])
+def test_step_functions_of_a_parameter(step, at, size):
+    """The first of their jumps counts, however many lie in a step."""
+    model = contin.Model("steps", states={"x": 0.1}, parameters={"p": 0.1}, equations={"x": f"p - x + {size}*{step}"})
+    branch = api.continuation(api.equilibrium(model), "p", (0.1, 1.0))
+    assert branch.ends[1].reason == "surface"
+    assert branch.columns["p"][-1] == pytest.approx(at, abs=1e-8)
+
+
+@pytest.mark.parametrize("size", [0.1, 1e-4, -1e-3])
+@pytest.mark.parametrize("kind", ["map", "algebraic"])
+def test_step_functions_of_a_state(kind, size):
+    """x = p up to x = 1/5; with jumps up there are two solutions at some p, with jumps down there is none."""
+    formula = f"p - x + {size}*floor(5*x)" if kind == "algebraic" else f"0.5*(x + p) + {size}*floor(5*x)"
+    model = contin.Model("steps", kind=kind, states={"x": 0.1}, parameters={"p": 0.1}, equations={"x": formula})
+    branch = api.continuation(api.equilibrium(model), "p", (0.1, 1.0))
+    assert branch.ends[1].reason == "surface"
+    assert branch.columns["x"][-1] == pytest.approx(0.2, abs=1e-8)
+    assert branch.columns["p"][-1] == pytest.approx(0.2, abs=1e-8)

@@ -246,7 +246,7 @@ def test_a_jump_that_only_the_parameter_decides_is_named(jump):
     end = branch.ends[1]
     assert end.reason == "surface"
     assert end.data["at"]["p"] == pytest.approx(0.5, abs=1e-8)
-    assert "whatever the states are" in end.text
+    assert "the equations jump at" in end.text
 
 
 def test_two_surfaces_that_are_met_at_once_are_both_named_and_nothing_is_said_of_what_begins_there():

@@ -1,4 +1,4 @@
-"""Points of a branch on both sides of a value of the parameters at which a function changes its sign.
+"""Points of a branch on both sides of a value of the parameters at which a function changes its side.
 
 With that parameter held where the function depends on it alone, by arclength otherwise; at two distances, so that a
 jump can be told from a slope.
@@ -6,6 +6,7 @@ jump can be told from a slope.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,12 +16,15 @@ from contin.continuation.arm import Arm
 from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.segment import Segment
+from contin.linalg.vectors import norm
 
 NARROW: Final = 1e-10  # arclength between the two nearest points on both sides,
 WIDER: Final = 16.0  # ... and between the ones farther away, with which they are compared
 LEAST_SLOPE: Final = 0.05  # of the parameter along the branch, scaled
 REACH: Final = (1.0, 1.5, 2.5, 4.0)  # steps back from a row in which the row before is looked for
 HALVINGS: Final = 60
+ROUNDS: Final = 12  # of a search for the last point of a side
+THOUSANDFOLD: Final = 10  # halvings in one of them
 PARTS: Final = 24  # trials in which a solution is followed from a row to the sign change
 
 Pair = tuple[Array, Array | None]  # points before and beyond a sign change; None: nothing lies across it
@@ -28,22 +32,22 @@ Pair = tuple[Array, Array | None]  # points before and beyond a sign change; Non
 
 def by_unknown(problem: Problem, z: Array, row: Array, scale: Array, j: int) -> list[Pair] | None:
     """Points next to the sign change with one unknown held, where function j depends on that alone."""
-    walls = [wall[0] for wall in problem.walls] if in_two_parameters(problem) else [-1]
-    counted = [index - len(z) if index >= 0 else index for index in walls]  # from the end: meshes may differ
+    index = int(problem.choices(z[None]).alone[j])
+    if index == 0:
+        return None
 
-    def height(index: int, value: float) -> float:
+    def side(value: float) -> float:
         moved = z.copy()
         moved[index] = value
-        return float(problem.choices(moved[None])[1][0, j])
+        return float(problem.choices(moved[None]).sides[0, j])
 
-    there = height(-1, float(z[-1])) > 0.0
-    index = next((i for i in counted if (height(i, float(row[i])) > 0.0) != there), None)
-    if index is None:
-        return None
     near, far = float(z[index]), float(row[index])
-    for _ in range(HALVINGS):
+    here = side(far)
+    if side(near) == here:
+        return None
+    for _ in range(HALVINGS):  # to the first change on the way from the row
         middle = 0.5 * (near + far)
-        near, far = (middle, far) if (height(index, middle) > 0.0) == there else (near, middle)
+        near, far = (near, middle) if side(middle) == here else (middle, far)
     pairs = []
     for width in (NARROW, WIDER * NARROW):
         step = np.copysign(width * scale[index], near - far)
@@ -90,33 +94,60 @@ def _held(problem: Problem, index: int, guess: Array, value: float, scale: Array
 
 def by_length(arm: Arm, segment: Segment, k: int, j: int, row: Array) -> list[Pair] | None:
     """Such points by arclength back from row k."""
-    problem, frame = arm.problem, Frame(segment.scale)
+    scale = segment.scale
     base = Sample(segment.z[k], segment.tangents[k], np.empty(0), int(segment.unstable[k]), segment.eigenvalues[k])
-
-    def at(length: float) -> tuple[Array, float] | None:
-        guess = base.z + length * segment.scale * base.tangent
-        found = problem.probe(base, length, guess, frame, arm.course.settings)
-        return None if found is None else (found.z, float(problem.choices(found.z[None])[1][0, j]))
-
-    there = bool(problem.choices(base.z[None])[1][0, j] > 0.0)
+    beside = _Beside(arm, scale, j)
     slope = max(abs(float(base.tangent[-1])), LEAST_SLOPE)
-    step = abs(float(base.z[-1] - row[-1])) / float(segment.scale[-1]) / slope
-    backs = ((-times * step, at(-times * step)) for times in REACH)
-    near, far = 0.0, next((length for length, b in backs if b is not None and (b[1] > 0.0) != there), None)
+    step = abs(float(base.z[-1] - row[-1])) / float(scale[-1]) / slope
+    there = beside.side(base)
+    backs = (beside.at(base, -times * step) for times in REACH)
+    far = next((sample for sample in backs if sample is not None and beside.side(sample) != there), None)
     if far is None:
         return None
-    for _ in range(HALVINGS):
-        if abs(near - far) <= NARROW:
-            break
-        middle = 0.5 * (near + far)
-        found = at(middle)
-        if found is None:
-            return None
-        near, far = (middle, far) if (found[1] > 0.0) == there else (near, middle)
+    length = norm((base.z - far.z) / scale)
+    before, behind = beside.last(far, length), beside.last(base, -length)
     pairs: list[Pair] = []
     for width in (NARROW, WIDER * NARROW):
-        limit, beyond = at(far - width), at(near + width)
+        limit, beyond = beside.at(before, -width), beside.at(behind, width)
         if limit is None or beyond is None:
             return None
-        pairs.append((limit[0], beyond[0]))
+        pairs.append((limit.z, beyond.z))
     return pairs
+
+
+@dataclass(frozen=True, eq=False)
+class _Beside:
+    """Points of a branch by arclength, and the side of function j that they are on."""
+
+    arm: Arm
+    scale: Array
+    j: int
+
+    def side(self, sample: Sample) -> float:
+        return float(self.arm.problem.choices(sample.z[None]).sides[0, self.j])
+
+    def at(self, base: Sample, length: float) -> Sample | None:
+        guess = base.z + length * self.scale * base.tangent
+        return self.arm.problem.probe(base, length, guess, Frame(self.scale), self.arm.course.settings)
+
+    def last(self, base: Sample, length: float) -> Sample:
+        """The last point of a side on the way from one: between both, hyperplanes may meet no branch, or two.
+
+        From each point reached anew, for a point may also be missed where the branch is too bent.
+        """
+        side = self.side(base)
+        for _ in range(ROUNDS):
+            found, inside, outside = self.at(base, length), 0.0, length
+            if found is not None and self.side(found) == side:
+                base = found
+                continue
+            for _ in range(THOUSANDFOLD):
+                middle = 0.5 * (inside + outside)
+                found = self.at(base, middle)
+                reached = found is not None and self.side(found) == side
+                inside, outside = (middle, outside) if reached else (inside, middle)
+            base = (self.at(base, inside) if inside else None) or base
+            length = outside - inside
+            if abs(length) <= NARROW:
+                break
+        return base

@@ -34,19 +34,19 @@ AHEAD: Final = 1e-6  # scaled: how far beyond the last row of a failed corrector
 def until_jump(segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[Segment]:
     """The segments of an arm up to a jump of its equations; then `arm.end` says so."""
     problem = arm.problem
-    texts, values = problem.choices(start[None])
+    first = problem.choices(start[None])
+    texts = first.texts
     if not texts:
         yield from segments
         return
-    last, before, row = None, values[0], start
+    last, before, row = None, first.sides[0], start
     for segment in segments:
         if not len(segment.z):
             yield segment
             continue
-        _, values = problem.choices(segment.z)
-        heights = np.vstack([before[None], values])
+        sides = np.vstack([before[None], problem.choices(segment.z).sides])
         unseen: list[str] = []
-        for k, j in np.argwhere((heights[:-1] > 0.0) != (heights[1:] > 0.0)):
+        for k, j in np.argwhere(sides[:-1] != sides[1:]):
             found = _jump(arm, segment, int(k), int(j), row if k == 0 else segment.z[k - 1])
             if found is None:
                 continue
@@ -61,24 +61,23 @@ def until_jump(segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[
             arm.end = _end(problem, texts[j], found.at)
             return
         yield replace(segment, notes=(*segment.notes, *unseen), hiding=segment.hiding + len(unseen))
-        before, row, last = values[-1], segment.z[-1], segment
+        before, row, last = sides[-1], segment.z[-1], segment
     if last is not None and arm.end is not None and arm.end.reason == "corrector":
-        arm.end = _just_ahead(problem, texts, last) or arm.end
+        arm.end = _just_ahead(problem, last) or arm.end
 
 
 @dataclass(frozen=True, eq=False)
 class _Met:
-    """Function j changes its sign at `at`; `limit`: the branch there, on the side that it comes from."""
+    """Function j changes its side at `at`; `limit`: the branch there, on the side that it comes from."""
 
     j: int
     at: Array
     limit: Sample
-    below: bool  # the function is not positive on that side
 
     def is_before(self, problem: Problem, mark: Row) -> bool:
         """True for a labelled point on that side."""
-        value = problem.choices(mark.point.z[None])[1][0, self.j]
-        return bool((value > 0.0) != self.below)
+        here, there = problem.choices(np.array([mark.point.z, self.limit.z])).sides[:, self.j]
+        return bool(here == there)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +89,7 @@ class _Unseen:
     def words(self, problem: Problem, text: str) -> str:
         """The note."""
         return (
-            f"before {position(problem, self.near)}, where {text}, the solution could not be computed: "
+            f"before {position(problem, self.near)}, at {text}, the solution could not be computed: "
             "the rows beyond may belong to another branch"
         )
 
@@ -106,30 +105,26 @@ def _jump(arm: Arm, segment: Segment, k: int, j: int, row: Array) -> _Met | _Uns
     near = Sample(limit, segment.tangents[k], np.empty(0), int(segment.unstable[k]), segment.eigenvalues[k])
     measured = problem.probe(near, 0.0, limit, Frame(scale), arm.course.settings)
     last = near if measured is None else replace(measured, z=limit)
-    below = float(problem.choices(limit[None])[1][0, j])
     if beyond is None:
-        return _Met(j, limit, last, below <= 0.0)
+        return _Met(j, limit, last)
     gaps = [norm((there - here) / scale) for here, there in pairs if there is not None]
     if gaps[0] <= APART or gaps[-1] > SAME * gaps[0]:
         return None
-    above = float(problem.choices(beyond[None])[1][0, j])
-    share = below / (below - above) if below != above else 0.5
     moved = beyond - limit
-    at = limit + np.where(np.abs(moved) <= WIDER * NARROW * scale, share * moved, 0.0)
-    return _Met(j, at, last, below <= 0.0)
+    share = problem.choices(np.array([limit, beyond])).share(j)
+    return _Met(j, limit + np.where(np.abs(moved) <= WIDER * NARROW * scale, share * moved, 0.0), last)
 
 
-def _just_ahead(problem: Problem, texts: Iterable[str], last: Segment) -> End | None:
-    """The end at a function that changes its sign just beyond the last row."""
+def _just_ahead(problem: Problem, last: Segment) -> End | None:
+    """The end at a function that changes its side just beyond the last row."""
     z = last.z[-1].copy()
     ahead = z + AHEAD * last.scale * last.tangents[-1]
-    (_, here), (_, there) = problem.choices(z[None]), problem.choices(ahead[None])
-    for text, a, b in zip(texts, here[0], there[0], strict=True):
-        if (a > 0.0) != (b > 0.0):
-            return _end(problem, text, z + (ahead - z) * a / (a - b))
+    there = problem.choices(np.array([z, ahead]))
+    for j in np.flatnonzero(there.sides[0] != there.sides[1]):
+        return _end(problem, there.texts[j], z + (ahead - z) * there.share(int(j)))
     return None
 
 
 def _end(problem: Problem, text: str, at: Array) -> End:
-    words = f"at {position(problem, at)}, the equations jump at {text}, whatever the states are"
+    words = f"at {position(problem, at)}, the equations jump at {text}"
     return End("surface", words, {"surface": text, "at": {problem.parameters[0]: float(at[-1])}})

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.choices import Choices
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame
 from contin.loci.augmented.base import Base
@@ -127,7 +128,7 @@ class CurveEquations(Problem):
     def formulas(self) -> object:
         return self.base.problem.formulas
 
-    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+    def choices(self, z: Array) -> Choices:
         return choices_of(self, z)
 
     def default_range(self, parameter: str) -> Bounds | None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import corrector
 from contin.continuation import march as python_march
+from contin.continuation.choices import Choices
 from contin.continuation.homotopy import without_offset
 from contin.continuation.outcome import NOTHING, Nothing, Outcome, Rejected, Verified, unverified
 from contin.continuation.problem import Problem
@@ -77,7 +78,7 @@ class Conditioned(ConditionedEquations):
     def formulas(self) -> object:
         return self.inner.formulas
 
-    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+    def choices(self, z: Array) -> Choices:
         return choices_of(self, z)
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:

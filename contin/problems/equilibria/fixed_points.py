@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
 from contin.abi import Array
+from contin.continuation.choices import Choices
 from contin.continuation.problem import Problem
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
@@ -47,7 +47,7 @@ class OfFixedPoints(Problem):
     def formulas(self) -> object:
         return self.inner.formulas
 
-    def choices(self, z: Array) -> tuple[Sequence[str], Array]:
+    def choices(self, z: Array) -> Choices:
         return self.inner.choices(z)
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
