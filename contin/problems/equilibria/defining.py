@@ -30,6 +30,10 @@ class Local(Protocol):
     def identity(self) -> Array:
         """The matrix I of F_u - lambda I, (n, n); diagonal, not 1 where equations are divided by their rates."""
 
+    @property
+    def grained(self) -> bool:
+        """Values are rounded to some digits, or noisy."""
+
     def linearise(self, y: Array) -> tuple[Array, Array]:
         """F(y) (n,) and J(y) (n, n + 1)."""
 
@@ -90,7 +94,7 @@ def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
         size = np.abs(jacobian)
         return np.concatenate([size @ np.abs(x), (np.abs(w).T @ size @ np.abs(v)).T.ravel()])
 
-    return newton(System(at, values, terms), y, n)
+    return newton(System(at, values, terms, grained=local.grained), y, n)
 
 
 def critical_pair(
@@ -155,7 +159,7 @@ def _critical_pair(
         both = [part for column in sizes.T for part in (column, column)]  # real and imaginary parts
         return np.concatenate([np.abs(jacobian) @ np.abs(x[: n + 1]), *both])
 
-    return System(at, values, terms)
+    return System(at, values, terms, grained=local.grained)
 
 
 def eigenvalue_at(local: Local, y: Array, value: float, corank: int = 1) -> Solved | None:
@@ -195,7 +199,7 @@ def _real_critical(local: Local, b: Array, c: Array, value: float) -> System:
         size = np.abs(jacobian)
         return np.append(size @ np.abs(x), (np.abs(w).T @ size[:, :n] @ np.abs(v)).T.ravel())
 
-    return System(at, values, terms)
+    return System(at, values, terms, grained=local.grained)
 
 
 def _bordered_values(matrices: Vector, b: Vector, c: Vector) -> Vector:

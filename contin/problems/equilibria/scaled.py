@@ -17,6 +17,7 @@ from contin.abi import Array, Vector
 from contin.machine.elementary import log
 from contin.problems.equilibria.defining_in_kernel import BorderedEquations, bordered_equations
 from contin.problems.equilibria.solved_to_rounding import generic
+from contin.systems.accuracy import error_of_grain
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -37,6 +38,11 @@ class ScaledSystem:
     @property
     def n(self) -> int:
         return int(self.problem.n)
+
+    @property
+    def grained(self) -> bool:
+        """Values are rounded to some digits, or noisy."""
+        return error_of_grain(self.problem.system) > 0.0
 
     @property
     def identity(self) -> Array:

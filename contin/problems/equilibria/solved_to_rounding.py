@@ -15,6 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.machine.elementary import cos
+from contin.systems.functions.grain import grain
 
 NEWTON_BUDGET = 30
 SETTLED = 1e-13  # a correction below this is rounding
@@ -63,13 +64,14 @@ class System:
     at : G(x) (k,), and its Jacobian.  values : G alone, (m, k), at m places (m, unknowns).  terms : sizes of the terms
     that G(x) is made of, (k,): an entry of the Jacobian may be a sum of terms that cancel, and err alike at all places.
     looked : G at rows x, (m, k), its Jacobians at the first two, (2, k, unknowns), and the terms at the first; all in
-    one call, where there is one for it.
+    one call, where there is one for it.  grained : values are rounded to some digits, of which short steps see nothing.
     """
 
     at: Callable[[Array], tuple[Array, Array]]
     values: Callable[[Array], Array]
     terms: Callable[[Array], Array] | None = None
     looked: Callable[[Array], tuple[Array, Array, Array]] | None = None
+    grained: bool = False
 
     @classmethod
     def compiled(cls, equations: Evaluated) -> System:
@@ -157,6 +159,8 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     rounded = float(weights @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
     alike = ALIKE * epsilon * terms
     error = 2.0 * max(float(np.abs(estimates).max()), rounded) + lacking + float(weights @ alike)
+    if system.grained:
+        error += _of_grain(system, x, g, matrix, row)
     if some:
         rounded_x = epsilon * biggest * sizes  # what the unknowns' own rounding makes of it
         limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x, alike]), np.abs(g))
@@ -170,6 +174,19 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     residual = float(np.abs(g).max()) / size
     sensitivity = float(weights @ sizes) * max(1.0, biggest)
     return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size, sensitivity)
+
+
+def _of_grain(system: System, x: Array, g: Array, matrix: Array, row: Array) -> float:
+    """The error of the unknown to which `row` leads that values leave which are rounded to some digits.
+
+    Beside what reaches it directly, what it changes by while others move by their own errors: at a fold the state is
+    known to the error of a slope, and the parameter to its square.
+    """
+    off = grain(lambda t: system.values(x + np.outer(t, generic(x.size))))
+    moved = np.linalg.pinv(matrix) * off
+    steps = np.concatenate([moved.T, -moved.T])
+    curved = np.abs((system.values(x + steps) - g - steps @ matrix.T) @ row)
+    return float(np.abs(row) @ off + np.sum(np.where(np.isfinite(curved), curved, 0.0)))
 
 
 def _along(system: System, x: Array, position: int, g: Array, directions: Array, limits: Array) -> float:

@@ -340,7 +340,7 @@ def _accept(
     width, at, epsilon = float(frame.scale[-1]), abs(float(z[-1])), float(np.finfo(float).eps)
     if beyond.size and is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
         beyond = np.where(np.abs(beyond) <= errors_of(problem, z, values, frame.scale)[other], 0.0, beyond)
-    approximate = accuracy_of_equations(problem.system)
+    approximate = accuracy_of_equations(problem.system, grained=False)  # the defining system's values show that
     error = (solved.error + approximate * solved.sensitivity) * width + 0.5 * epsilon * at
     if at <= min(error, epsilon * width):
         z[-1] = 0.0  # and not 1e-42 or -0.0

@@ -26,7 +26,7 @@ from contin.machine import elementary
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.solved_to_rounding import Solved
 from contin.problems.equilibria.special_points import CONSISTENT, RESIDUAL_LIMIT, nearest_pair
-from contin.systems.accuracy import accuracy_of_equations
+from contin.systems.accuracy import accuracy_of_equations, error_of_grain
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equilibrium import EquilibriumProblem
@@ -73,6 +73,11 @@ class AllPoints:
     @property
     def n(self) -> int:
         return len(self.scale) - 1
+
+    @property
+    def grained(self) -> bool:
+        """The map's values are rounded to some digits, or noisy."""
+        return error_of_grain(self.problem.system.base) > 0.0
 
     @property
     def identity(self) -> Array:

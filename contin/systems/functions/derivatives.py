@@ -41,6 +41,7 @@ class Lines:
     wider : than usual, of stencils and circles for derivatives of second and higher order; how much these differ tells
         errors.
     levels : how many times narrower stencils are tried; () for the usual ones.
+    grain : (u, p) -> what F is off by at random (n,); None where that is rounding.
     """
 
     function: Function
@@ -49,6 +50,7 @@ class Lines:
     slope: Callable[[Array, Array, Array], Array] | None = None
     wider: float = 1.0
     levels: tuple[float, ...] = ()
+    grain: Callable[[Array, Array], Array] | None = None
     _change: GenericChange = field(default_factory=GenericChange, repr=False)
 
     def first(self, u: Array, p: Array, v: Array) -> Array:
@@ -92,7 +94,8 @@ class Lines:
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
             return differentiated(ahead, order - 1, reach * self.wider, self.levels)
         ahead = lambda t: function(u + t * along, p + t * across)  # noqa: E731
-        return differentiated(ahead, order, reach * self.wider, self.levels)
+        off = 0.0 if self.grain is None else self.grain(u, p)
+        return differentiated(ahead, order, reach * self.wider, self.levels, off)
 
     def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
         """left(D^k F[v, ..., v]), k = `order`, of a linear functional."""

@@ -19,8 +19,10 @@ from contin.normalforms.jet import expand_complex
 from contin.records import Fields
 from contin.systems.functions import by_parameters
 from contin.systems.functions.derivatives import Lines, is_analytic
+from contin.systems.functions.grain import Grain
 from contin.systems.functions.guarded import called, numbers, vector
-from contin.systems.functions.trials import not_analytic, real, try_function
+from contin.systems.functions.stencils import STEPS
+from contin.systems.functions.trials import BESIDE, not_analytic, real, try_function
 from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
@@ -231,7 +233,14 @@ class FunctionSystem:
         states, others = np.where(u0 != 0.0, np.abs(u0), self.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)
         sizes = np.concatenate([states, others])
         analytic = self.model.written is None and is_analytic(self.raw, u0, p0, sizes)
-        return Lines(self.quickly, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
+        slope = None if analytic or self.model.jacobian is None else self._slope
+        return Lines(self.quickly, sizes, analytic, slope, grain=None if analytic else self._grain_of(sizes, u0, p0))
+
+    def _grain_of(self, sizes: Array, u0: Array, p0: Array) -> Callable[[Array, Array], Array] | None:
+        """What values are off by, where that is more than rounding of double precision beside the start."""
+        found = Grain(self.quickly, sizes)
+        with np.errstate(all="ignore"):
+            return found.at if found.relative(u0 + BESIDE * sizes[: self.n], p0) > 0.0 else None
 
     @cached_property
     def _takes_real_states(self) -> bool:
@@ -432,6 +441,14 @@ class FunctionSystem:
     def error_of_slopes(self) -> float:
         """Relative, of an entry of the Jacobian; 0 where it is given, or comes from complex steps."""
         return 0.0 if self.lines.analytic or self.model.jacobian is not None else SLOPES
+
+    @property
+    def error_of_grain(self) -> float:
+        """Relative, of an entry of the Jacobian by differences, where values are rounded to some digits; else 0."""
+        if self.lines.grain is None or self.model.jacobian is not None:
+            return 0.0
+        u0, p0 = self.model.start_point()
+        return Grain(self.quickly, self.lines.sizes).relative(u0 + BESIDE * self.lines.sizes[: self.n], p0) / STEPS[1]
 
     def with_wider_stencils(self, factor: float) -> Self | None:
         """The same with other differences for derivatives of order 2 and 3; None where these are no differences."""

@@ -40,10 +40,15 @@ def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...
     return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
 
 
-def differentiated(value: Callable[[float], Array], order: int, reach: float, levels: tuple[float, ...] = ()) -> Array:
+def differentiated(
+    value: Callable[[float], Array], order: int, reach: float, levels: tuple[float, ...] = (),
+    grain: Array | float = 0.0,
+) -> Array:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, an array of any shape.
 
     reach : over which t the arguments change by their own sizes.  levels : how many times narrower steps are tried.
+    grain : what values are off by at random (`grain.grain`): between steps of a rounded function two stencils agree by
+    chance, with nothing to see.
     """
     outer, inner = stencil(order), stencil(order, 1 if order == 1 else HALF_WIDTHS[order] - 1)
     close, some = (RESOLVED_SLOPE, np.inf) if order == 1 else (RESOLVED, NEARLY)
@@ -55,7 +60,7 @@ def differentiated(value: Callable[[float], Array], order: int, reach: float, le
         found, within = weighted(outer, values) / scale, weighted(inner, values) / scale
         largest = np.max([np.abs(v) for v in values.values()], axis=0)
         largest = largest.max() if order == 1 else largest
-        rounding = ROUNDING[order] * sum(abs(weight) for _, weight in inner) * largest / scale
+        rounding = sum(abs(weight) for _, weight in inner) * (ROUNDING[order] * largest + grain) / scale
         apart, size = np.abs(found - within), np.abs(found)
         settled = apart <= close * size + rounding
         here = apart if order == 1 else np.where(size > 0.0, apart / np.where(size > 0.0, size, 1.0), np.inf)
