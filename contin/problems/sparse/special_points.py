@@ -31,6 +31,7 @@ from contin.problems.coinciding import SEVERAL_PAIRS, with_hopf_points_told
 from contin.problems.sparse import forms
 from contin.problems.sparse.kernel_coefficients import kernel_coefficients
 from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
+from contin.problems.sparse.of_coarse_values import error_of_grain
 from contin.problems.sparse.reduced_equation import Reduced, border_rows
 from contin.problems.sparse.zero_on_curve import PERTURBATION, SAMPLES, At, zero_on_curve
 
@@ -109,6 +110,7 @@ def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     along = forms.functional(linear, q)
     form = forms.fold(problem, at.z, q, along)
     error += 3.0 * forms.rounding_of_fold(problem, at.z, along)
+    error += error_of_grain(problem, found, frame, linear.magnitude, lambda at: float(at.tangent[-1]))
     if found.slope != 0.0:  # the parameter's way, to second order, to where nothing is left
         error += elementary.square(left) / abs(found.slope) * float(frame.scale[-1])
     residual = max(at.residual, abs(left))
@@ -166,6 +168,7 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     if found is None:
         return unverified("HB", "the real part of the eigenvalue has no zero nearby")
     at, left, error, slope = found.at, found.left, found.error, found.by_parameter
+    error += error_of_grain(problem, found, frame, linear_at(problem, at.z).magnitude, growth)
     growth(at)  # the estimate of its error has looked at points beside it
     omega = abs(value.imag)
     residual = max(at.residual, abs(left))

@@ -28,12 +28,21 @@ def grain(values: Callable[[Array], Array]) -> Array:
 
     t = 1 moves arguments by their own sizes, all of them: a component that does not change shows nothing.
     """
+    found = _deviations(values, np.multiply.outer(SPACINGS, RATIOS))
+    return np.asarray(BOUND * found.max(axis=1).min(axis=0))
+
+
+def glance(values: Callable[[Array], Array]) -> Array:
+    """`grain` at places of one distance, the nearest: few values, which show whether there is any."""
+    return np.asarray(BOUND * _deviations(values, np.array([[SPACINGS[-1] * RATIOS[1]]]))[0, 0])
+
+
+def _deviations(values: Callable[[Array], Array], lengths: Array) -> Array:
+    """Standard deviations of components (a, b, k) from values at places so far apart (a, b); 0 where there are none."""
     places = np.arange(ORDER + 2) - 0.5 * (ORDER + 1)
-    lengths = np.multiply.outer(SPACINGS, RATIOS)
     table = np.asarray(values(np.multiply.outer(lengths, places).ravel()), dtype=float)
     last = np.diff(table.reshape(*lengths.shape, len(places), -1), ORDER, axis=2)
-    deviations = np.sqrt(np.mean(last * last, axis=2) / math.comb(2 * ORDER, ORDER))
-    found = BOUND * deviations.max(axis=1).min(axis=0)
+    found = np.sqrt(np.mean(last * last, axis=2) / math.comb(2 * ORDER, ORDER))
     return np.where(np.isfinite(found), found, 0.0)
 
 

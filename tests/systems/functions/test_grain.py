@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 import contin
 from contin.systems.functions.grain import grain
@@ -58,3 +59,31 @@ def test_a_hopf_point_of_a_rounded_function_has_the_error_of_its_slopes():
     exact = 0.09 / 2  # trace: 2 mu - x^2 at x = 0.3, y = 0
     assert abs(point.values["mu"] - exact) < point.error
     assert 1e-9 < point.error < 1e-3
+
+
+@pytest.mark.parametrize("step", [1e-8, 1e-12])
+def test_sparse_functions_whose_values_are_rounded_have_labels_within_their_errors(step):
+    turned = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0] @ np.diag([1.0, 1.7, 2.3, 3.0])
+    back = np.linalg.inv(turned)
+
+    def residual(u, p):  # a fold at x = -1, p = 2/3, and a Hopf point at p = 0.31
+        x, y, z, w = back @ u
+        m, r2 = p["p"] - 0.31, y * y + z * z
+        own = [p["p"] + x - x**3 / 3, m * y - 1.3 * z - r2 * y, 1.3 * y + m * z - r2 * z, 0.3 * x * x - 4 * w]
+        return rounded(turned @ own, step)
+
+    def slopes(u, p):
+        x, y, z, _ = back @ u
+        m = p["p"] - 0.31
+        rows = np.diag([1 - x * x, m - 3 * y * y - z * z, m - y * y - 3 * z * z, -4.0])
+        rows[1, 2], rows[2, 1], rows[3, 0] = -1.3 - 2 * y * z, 1.3 - 2 * y * z, 0.6 * x
+        return sparse.csc_matrix(turned @ rows @ back)
+
+    x = -1.879385241571817  # x^3 / 3 - x = -1/3
+    start = turned @ [x, 0.0, 0.0, 0.075 * x * x]
+    problem = contin.FunctionProblem(residual, start, {"p": 1 / 3}, slopes)
+    exact = {"HB": 0.31, "LP": 2 / 3}
+    line = contin.continuation(problem, "p", (0.2, 0.8), settings={"stop_at": ["LP"]})
+    assert {point.type for point in line.points} == {"HB", "LP"}
+    for point in line.points:
+        assert abs(point.values["p"] - exact[point.type]) < point.error < 100 * step
