@@ -52,7 +52,7 @@ def _choices(model: Model) -> tuple[_Choice, ...]:
     """Those that depend on parameters alone; of maps and algebraic equations also what steps with the states."""
     formulas = [*model.equations, *(condition.residual for condition in model.conditions)]
     parameters = frozenset(model.parameter_names)
-    own = parameters if model.kind == "flow" else parameters | frozenset(model.state_names)
+    own = parameters | frozenset(model.state_names) if model.kind in ("map", "algebraic") else parameters
     found = []
     for function in switching_functions(formulas, parameters):
         found.append(_Choice(f"{to_text(function)} = 0", function, False, frozenset(symbols_in([function]))))
