@@ -49,8 +49,8 @@ def at_rows(residual: Callable[..., Any], u: Array, named: Fields) -> Array | No
         with warnings.catch_warnings():
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
             found = np.array([np.array(residual(row.copy(), dict(named))) for row in u])
-    except Exception:  # noqa: BLE001 - that is said in words where a row is asked alone
-        return None
+    except Exception:  # noqa: BLE001
+        return None  # each row is asked alone then, which says in words what is wrong
     if found.shape != u.shape or found.dtype.kind not in "biufc":
         return None
     slopes = np.asarray(np.imag(found) / COMPLEX_STEP)
