@@ -1,5 +1,7 @@
 """Equations that jump at a value of a parameter: every kind of branch ends there, however small the jump is."""
 
+import importlib
+
 import pytest
 
 import contin
@@ -126,3 +128,20 @@ def test_step_functions_of_a_state(kind, size):
     assert branch.ends[1].reason == "surface"
     assert branch.columns["x"][-1] == pytest.approx(0.2, abs=1e-8)
     assert branch.columns["p"][-1] == pytest.approx(0.2, abs=1e-8)
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_what_is_seen_at_one_distance_alone_is_no_jump(monkeypatch, missing):
+    """Across a corner of root type two points 1e-10 apart in p are 1e-5 apart in x."""
+    jumping = importlib.import_module("contin.continuation.ends.jumping")
+    whole = jumping.by_unknown
+
+    def partly(*given):
+        return [(limit, None if k == missing else beyond) for k, (limit, beyond) in enumerate(whole(*given))]
+
+    monkeypatch.setattr(jumping, "by_unknown", partly)
+    model = contin.Model("root", states={"x": 0.1}, parameters={"p": 0.1}, equations={"x": ROOT})
+    branch = api.continuation(api.equilibrium(model), "p", (0.1, 1.0))
+    assert branch.ends[1].reason == "bound"
+    assert branch.unexplained == 1
+    assert "the solution could not be computed" in branch.notes[0]

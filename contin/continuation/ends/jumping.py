@@ -105,9 +105,11 @@ def _jump(arm: Arm, segment: Segment, k: int, j: int, row: Array) -> _Met | _Uns
     near = Sample(limit, segment.tangents[k], np.empty(0), int(segment.unstable[k]), segment.eigenvalues[k])
     measured = problem.probe(near, 0.0, limit, Frame(scale), arm.course.settings)
     last = near if measured is None else replace(measured, z=limit)
-    if beyond is None:
-        return _Met(j, limit, last)
     gaps = [norm((there - here) / scale) for here, there in pairs if there is not None]
+    if beyond is None and not gaps:
+        return _Met(j, limit, last)
+    if beyond is None or len(gaps) < len(pairs):  # one distance alone tells no jump from a corner
+        return _Unseen(z)
     if gaps[0] <= APART or gaps[-1] > SAME * gaps[0]:
         return None
     moved = beyond - limit
