@@ -58,7 +58,15 @@ EQUILIBRIA = Decisions()
 IN_TWO_PARAMETERS = Decisions(guarded=2, signed=True, dips=2, told=ONE_POINT)
 
 
-class Linearisation(Protocol):
+class HasSign(Protocol):
+    """A square matrix M."""
+
+    @property
+    def sign(self) -> float:
+        """Of det M, 0 where M is singular."""
+
+
+class Linearisation(HasSign, Protocol):
     """The scaled equations at a point with the border row [tangent]: M = [J; t^T]."""
 
     @property
@@ -66,15 +74,19 @@ class Linearisation(Protocol):
         """Scaled F, (n,)."""
 
     @property
-    def sign(self) -> float:
-        """Of det M, 0 where M is singular."""
-
-    @property
     def log_determinant(self) -> float:
         """log |det M|"""
 
     def solve(self, right: Array) -> Array:
         """M x = right, (n + 1,)."""
+
+
+class Factorised(Protocol):
+    """What is solved with factors, which cost less than the sign of their determinant."""
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether there are none."""
 
 
 class Judged(Protocol):
@@ -164,7 +176,7 @@ def correct(
             now, fresh = problem.linearisation(z, tangent, scale), True
         if now is None:
             return Failure.NOT_FINITE
-        if not offers(type(now), "regular") and now.sign == 0:  # which takes time to read from sparse factors
+        if is_singular(now):
             return Failure.SINGULAR
         right = np.append(-now.residual, length - dot(tangent, y))
         if chord and fresh and here is not None and UNSEEN * gain * norm(right) <= tolerance and _is_dear(now):
@@ -199,6 +211,10 @@ def correct(
             return Failure.NOT_FINITE if last is None else Corrected(z, y, last, first, iterations)
         size_before, compare = size, fresh
     return Failure.NO_CONVERGENCE
+
+
+def is_singular(here: HasSign) -> bool:
+    return cast(Factorised, here).is_singular if offers(type(here), "is_singular") else here.sign == 0
 
 
 def _correction(here: Linearisation, right: Array, tolerance: float) -> Array:

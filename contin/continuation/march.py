@@ -87,26 +87,32 @@ def null_vector(problem: Correctable, z: Array, scale: Array, border: Array, rou
     return np.asarray(border / norm(border))
 
 
-def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
-    """Tangent, tests and eigenvalues at a corrected point."""
+def measure(problem: Marchable, found: Corrected, reference: float | None) -> Sample:
+    """Tangent, tests and eigenvalues at a corrected point; without a reference the curve's own tests are 1."""
     n = len(found.z) - 1
     t = found.last.solve(np.append(np.zeros(n), 1.0))
     length = norm(t)
     t = t / length
-    exponent = found.last.log_determinant + elementary.log(length) - reference
-    determinant = found.last.sign * elementary.exp(min(max(exponent, -700.0), 700.0))
+    own = (1.0, 1.0) if reference is None else (t[-1], _determinant(found.last, length, reference))
     look: Marchable | Telling = cast(Telling, found.last) if offers(type(found.last), "stability") else problem
     tests, unstable, eigenvalues = look.stability(found.z)
-    return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
+    return Sample(found.z, t, np.concatenate([own, tests]), unstable, eigenvalues)
+
+
+def _determinant(here: Linearisation, length: float, reference: float) -> float:
+    """That of M with the unit tangent for a border, over exp(reference)."""
+    exponent = here.log_determinant + elementary.log(length) - reference
+    return float(here.sign * elementary.exp(min(max(exponent, -700.0), 700.0)))
 
 
 def probe(
-    problem: Marchable, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
-) -> Sample | None:
-    """`Problem.probe` in terms of linearisations."""
+    problem: Marchable, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings,
+    turns: bool = True,
+) -> Sample | None:  # fmt: skip
+    """`Problem.probe` in terms of linearisations; without `turns` tests of the curve itself are not computed."""
     y = (guess - base.z) / frame.scale
     found = correct(problem, base.z, base.tangent, length, y, frame.scale, min(settings.tolerance, 1e-9))
-    return None if isinstance(found, Failure) else measure(problem, found, frame.reference)
+    return None if isinstance(found, Failure) else measure(problem, found, frame.reference if turns else None)
 
 
 def march(

@@ -298,7 +298,7 @@ def march(
     if sign == 0:
         return CORRECTOR
     v, right = np.zeros(n), np.zeros(n)
-    side_before, log_before = side_of(kind, n, sign, matrix, jacobian, block, z, scale, v, right)
+    side_before, log_before = side_of(kind, n, sign, matrix, jacobian, block, z, p, active, scale, v, right)
     for j in range(n):
         v[j] = right[j]
     tangent_of(matrix, pivots, tangent)
@@ -344,7 +344,7 @@ def march(
             if not cosine >= cos_max and h > max(h_min, SHORTEST):
                 h = max(0.5 * h, h_min, SHORTEST)
                 continue
-            side, log_side = side_of(kind, n, sign, matrix, jacobian, block, z, scale, v, right)
+            side, log_side = side_of(kind, n, sign, matrix, jacobian, block, z, p, active, scale, v, right)
             if side != side_before and not looked:
                 lengths[1] = h
                 lengths[2] = max(log_before, log_side)

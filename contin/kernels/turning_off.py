@@ -53,7 +53,7 @@ def turning_off(
             fraction *= SHIFT
             continue
         fraction = 0.5
-        there, here = side_of(kind, n, sign, matrix, jacobian, block, z, scale, v, right)
+        there, here = side_of(kind, n, sign, matrix, jacobian, block, z, p, active, scale, v, right)
         if there == side:
             lengths[0] = h
             log_below = here

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.machine import elementary
+from contin.normalforms.cubic_of_maps import on_circle
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import conjugate
 from contin.normalforms.jet import Jet, Real
@@ -56,12 +57,6 @@ def period_doubling(jet: Jet, *, drift: Real | None = None, further: Errors = NO
     return NormalForm("PD", coefficients, f"{criticality} period doubling", vectors, {"c": error})
 
 
-def cubic_at_flip(jet: Jet) -> tuple[float, Real]:
-    """c and q as `period_doubling` has them, without the error of c."""
-    manifold = flip_manifold(jet)
-    return manifold.g((3,), 0).real, manifold.right[0].real
-
-
 def flip_predictor(jet: Jet) -> DoubledPredictor:
     """The doubled orbit for a jet with one active parameter; with multiplier -1 + gamma dp, p2 = -c/gamma.
 
@@ -88,8 +83,22 @@ def circle_manifold(jet: Jet, theta: float | None = None, drift: Real | None = N
 
 def cubic_on_circle(jet: Jet, theta: float) -> complex:
     """d as `neimark_sacker` has it, without its error."""
+    found = on_circle(jet, theta)
+    if found is not None:
+        return found.value
     manifold = circle_manifold(jet, theta)
     return manifold.g((2, 1), 0) / complex(manifold.values[0])
+
+
+def cubic_beyond_error(jet: Jet, theta: float) -> float:
+    """Re d as `neimark_sacker` has it; 0 where it is no more than its error."""
+    found = on_circle(jet, theta, with_error=True)
+    if found is not None and found.error is not None:
+        value, error = found.value.real, found.error
+    else:
+        form = neimark_sacker(jet, theta)
+        value, error = float(form.coefficients["d"][0]), float(form.errors["d"])
+    return value if abs(value) > error else 0.0
 
 
 def neimark_sacker(

@@ -74,10 +74,7 @@ class AugmentedCurve(CurveEquations):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         near = self.beside(base.z, frame).near(base.z, frame.scale)
-        found = None if near is None else python_march.probe(near, base, length, guess, frame, settings)
-        if found is not None:
-            found.tests[:TURNS] = 1.0
-        return found
+        return None if near is None else python_march.probe(near, base, length, guess, frame, settings, turns=False)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return self.base.explain(self.type, a, b)
@@ -96,6 +93,9 @@ class AugmentedCurve(CurveEquations):
 
     def columns(self, z: Array) -> dict[str, Array]:
         return self.base.columns(z)
+
+    def column(self, name: str, z: Array) -> Array:
+        return self.base.column(name, z)
 
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives."""

@@ -109,6 +109,10 @@ class Base(ABC):
     @abstractmethod
     def columns(self, z: Array) -> dict[str, Array]: ...
 
+    def column(self, name: str, z: Array) -> Array:
+        """One of them; without the others where these cost more."""
+        return self.columns(z)[name]
+
     @abstractmethod
     def column_names(self) -> tuple[str, ...]: ...
 

@@ -89,6 +89,10 @@ class BlockBordered:
         return moved * float(sign), float(size)
 
     @property
+    def is_singular(self) -> bool:
+        return self.found.factors.is_singular or self._determinant[0] == 0.0
+
+    @property
     def sign(self) -> float:
         return self.found.factors.sign * self._determinant[0]
 

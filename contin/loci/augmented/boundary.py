@@ -126,17 +126,25 @@ class BoundaryBase(SingularSolutions):
         return self.joined(own, self.rest(scale))
 
     def columns(self, z: Array) -> dict[str, Array]:
-        inner = [self.inner(row) for row in z]
-        padded = np.full((len(z), max(map(len, inner))), np.nan)
-        for row, values in zip(padded, inner, strict=True):
-            row[len(row) - len(values) :] = values
-        p = np.array([self.at(row).full_parameters(values) for row, values in zip(z, inner, strict=True)])
-        found = columns_of(self.problem, padded, p)
+        found = self._of_solutions(z)
         varying = np.array([self.values(row) for row in z])
         found.update({name: varying[:, k] for k, name in enumerate(self.names)})
         if self.extra:
             found["unfolding"] = z[:, -self.behind].copy()  # rows are padded on the left
         return found
+
+    def column(self, name: str, z: Array) -> Array:
+        known = name in (*self.names, "unfolding")
+        return self.columns(z)[name] if known else self._of_solutions(z, [name])[name]
+
+    def _of_solutions(self, z: Array, wanted: Sequence[str] | None = None) -> dict[str, Array]:
+        """`columns_of` their problem, where more parameters vary than in it."""
+        inner = [self.inner(row) for row in z]
+        padded = np.full((len(z), max(map(len, inner))), np.nan)
+        for row, values in zip(padded, inner, strict=True):
+            row[len(row) - len(values) :] = values
+        p = np.array([self.at(row).full_parameters(values) for row, values in zip(z, inner, strict=True)])
+        return columns_of(self.problem, padded, p, wanted)
 
     def column_names(self) -> tuple[str, ...]:
         return (*self.names, *self.problem.column_names()[1:])

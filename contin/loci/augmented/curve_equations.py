@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.choices import Choices
+from contin.continuation.corrector import is_singular
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame
 from contin.loci.augmented.base import Base
@@ -75,7 +76,6 @@ class Near:
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         return self.base.stability(self.problem.type, z)
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +157,7 @@ class CurveEquations(Problem):
         base = self.base if self.base.is_settled else self.base.settled(z, scale)
         rows = first_rows(base.varying - base.conditions, z.size)
         here = base.linearise(z, scale, rows)
-        if here is None or here.sign == 0.0:
+        if here is None or is_singular(here):
             return None
         found = null_space(here, len(rows))  # that of E', whatever the rows
         if not np.all(np.isfinite(found)):

@@ -17,7 +17,7 @@ from typing import Final, Protocol, cast
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.corrector import Forming
+from contin.continuation.corrector import Forming, is_singular
 from contin.linalg.vectors import norm
 from contin.offers import offers
 
@@ -109,6 +109,10 @@ class Augmented:
             return 0.0, 0.0
         sign, size = np.linalg.slogdet(self._small)
         return float(sign), float(size)
+
+    @property
+    def is_singular(self) -> bool:
+        return is_singular(self.inner) or self._determinant[0] == 0.0
 
     @property
     def sign(self) -> float:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.corrector import is_singular
 from contin.loci.augmented.elimination import Scalars, first_rows, null_space, orthonormal
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class Extremal:
 
         def directions(at: Array, rows: Array) -> Array | None:
             here = base.linearise(at, scale, np.vstack([fixed, rows]))
-            if here is None or here.sign == 0.0:
+            if here is None or is_singular(here):
                 return None
             return null_space(here, count + 1)[:, 1:]
 
@@ -60,7 +61,7 @@ class Extremal:
                 return np.asarray(w[-1 - place])
             steps = STEP * scale[:, None] * w
             stencil = np.concatenate([at + k * step for step in steps.T for k in (-2.0, -1.0, 1.0, 2.0)])
-            found = base.columns(stencil.reshape(-1, z.size))[self.column].reshape(count, 4)
+            found = base.column(self.column, stencil.reshape(-1, z.size)).reshape(count, 4)
             far, near = found[:, 3] - found[:, 0], found[:, 2] - found[:, 1]
             return np.asarray((8.0 * near - far) / (12.0 * STEP))
 

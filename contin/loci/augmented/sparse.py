@@ -75,6 +75,10 @@ class SparseBordered:
         return Factors(self.matrix)
 
     @property
+    def is_singular(self) -> bool:
+        return self._factors.is_singular
+
+    @property
     def sign(self) -> float:
         return self._factors.sign
 

@@ -10,7 +10,7 @@ from contin.abi import Array
 from contin.loci.codim2.forms import jet_at
 from contin.loci.codim2.uncomputed_tests import untold
 from contin.machine import elementary
-from contin.normalforms.maps import cubic_at_flip
+from contin.normalforms.cubic_of_maps import at_flip
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -27,5 +27,6 @@ def flip_coefficient(problem: CurveOfPoints, z: Array) -> float:
 
 def of_jet(jet: Jet) -> float:
     """The same, of c for |q| = 1 in the model's units; raises where it has no finite value."""
-    c, q = cubic_at_flip(jet)
-    return c / elementary.square(float(np.linalg.norm(q if jet.scale is None else q / jet.scale)))
+    cubic = at_flip(jet)
+    q = cubic.right
+    return cubic.value.real / elementary.square(float(np.linalg.norm(q if jet.scale is None else q / jet.scale)))

@@ -30,7 +30,7 @@ from contin.loci.codim2.uncomputed_tests import untold
 from contin.loci.tolerances import REAL
 from contin.machine import elementary
 from contin.normalforms.hopf import first_lyapunov
-from contin.normalforms.maps import cubic_on_circle, neimark_sacker
+from contin.normalforms.maps import cubic_beyond_error, cubic_on_circle
 from contin.normalforms.result import NO_FORM
 from contin.normalforms.rounding import off_by_rounding
 from contin.special.table import special_type
@@ -163,13 +163,9 @@ def _map_lyapunov(problem: CurveOfPoints, z: Array, cosine: float, beyond_error:
         return 0.0
     jet, theta = jet_at(problem, z), float(elementary.acos(cosine))
     try:
-        if not beyond_error:
-            return cubic_on_circle(jet, theta).real
-        form = neimark_sacker(jet, theta)
+        return cubic_beyond_error(jet, theta) if beyond_error else cubic_on_circle(jet, theta).real
     except (ZeroDivisionError, np.linalg.LinAlgError) as error:
         return untold(problem, "CH", error)
-    value = float(form.coefficients["d"][0])
-    return value if abs(value) > float(form.errors["d"]) else 0.0
 
 
 def rounding_of(problem: CurveOfPoints, type_: str, z: Array) -> float:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import contin
+from contin.normalforms.cubic_of_maps import at_flip
 from contin.normalforms.hopf import first_lyapunov, hopf
-from contin.normalforms.maps import cubic_at_flip, cubic_on_circle, neimark_sacker, period_doubling
+from contin.normalforms.maps import cubic_on_circle, neimark_sacker, period_doubling
 from tests.normalforms.formulas import taylor_jet
 
 
@@ -38,7 +39,7 @@ def test_coefficients_without_errors_are_those_with_them():
     d = cubic_on_circle(circle, theta)
     assert [d.real, d.imag] == list(neimark_sacker(circle, theta).coefficients["d"])
     flip = taylor_jet(["x", "y"], [], ["-x + x*y + 0.7*x^3", "0.5*y + x^2"], {"x": 0, "y": 0}, kind="map")
-    c, q = cubic_at_flip(flip)
+    found = at_flip(flip)
     form = period_doubling(flip)
-    assert c == form.coefficients["c"] != 0.0
-    assert q.tolist() == form.vectors["q"].tolist()
+    assert found.value == form.coefficients["c"] != 0.0
+    assert found.right.tolist() == form.vectors["q"].tolist()
