@@ -21,6 +21,8 @@ HOOP = Model(
     ],
 )  # fmt: skip
 
+LONG = {"step": 0.1, "max_step": 0.25}  # of the range: curves that are smooth are looked at by their closed forms
+
 
 @pytest.fixture(scope="module")
 def henon():
@@ -31,7 +33,7 @@ def test_folds_of_bouncing_balls_lie_on_their_curve():
     """A w = (1 - r)/(1 + r) T/2 of every restitution r, with multipliers whose product is r^2."""
     start = contin.periodic_orbit(TABLE, {"x": 0.01, "v": 0.5}, {"A": 1.05 * FOLD})
     line = contin.continuation(start, "A", (0.02, 0.03))
-    curve = contin.continuation(line["LPC1"].locus(), ("A", "r"), {"A": (0.005, 0.2), "r": (0.48, 0.52)})
+    curve = contin.continuation(line["LPC1"].locus(), ("A", "r"), {"A": (0.005, 0.2), "r": (0.48, 0.52)}, settings=LONG)
     A, r = curve.columns["A"], curve.columns["r"]
     np.testing.assert_allclose(A, (1.0 - r) / (1.0 + r) / (4.0 * np.pi), rtol=1e-10)
     np.testing.assert_allclose(curve.columns["period"], 1.0, rtol=1e-9)
@@ -90,8 +92,8 @@ def test_tori_of_a_delayed_logistic_map_of_jumps():
 def test_a_curve_ends_where_its_orbit_grazes_another_surface():
     """Doublings at x = (1 + a)/(2 a); the orbit touches x sin(pi s) = h at x = h: a = 1/(2 h - 1)."""
     start = contin.periodic_orbit(HOOP, {"x": 0.6}, {"a": 2.9})
-    line = contin.continuation(start, "a", (2.8, 3.05))
-    curve = contin.continuation(line["PD1"].locus(), ("a", "b"), {"a": (2.45, 3.02), "b": (-1.0, 1.0)})
+    line = contin.continuation(start, "a", (2.88, 3.05), settings={"stop_at": ("PD",), **LONG})
+    curve = contin.continuation(line["PD1"].locus(), ("a", "b"), {"a": (2.45, 3.02), "b": (-1.0, 1.0)}, settings=LONG)
     [end] = [end for end in curve.ends if end.reason == "grazing"]
     assert "event 2" in end.text
     assert end.data["at"] == pytest.approx({"a": 2.5, "b": 0.175}, abs=1e-6)

@@ -77,6 +77,7 @@ def test_a_curve_by_shooting_turns_off_beside_another_one(name):
 def test_a_curve_of_a_sparse_system_turns_off_beside_another_one(type_):
     """States beyond the first one or two are x_k' = x_(k-1)/10 - x_k."""
     n, few = 12, 1 if type_ == "LP" else 2
+    line = np.diag(np.full(n, -1.0)) + np.diag(np.full(n - 1, 0.1), -1)
 
     def residual(u, p):
         g, r2 = p["q"] ** 2 - p["p"] ** 2 - 1e-6, u[0] ** 2 + u[1] ** 2
@@ -85,17 +86,17 @@ def test_a_curve_of_a_sparse_system_turns_off_beside_another_one(type_):
 
     def jacobian(u, p):
         g, (x, y) = p["q"] ** 2 - p["p"] ** 2 - 1e-6, u[:2]
-        matrix = sp.lil_array(sp.diags_array([np.full(n, -1.0), np.full(n - 1, 0.1)], offsets=[0, -1]))
+        matrix = line.copy()
         if few == 1:
             matrix[0, 0] = -2.0 * x
         else:
             matrix[:2, :2] = [[-g - 3 * x * x - y * y, -1 - 2 * x * y], [1 - 2 * x * y, -g - x * x - 3 * y * y]]
-        return matrix.tocsc()
+        return sp.csc_array(matrix)
 
     start = (0.44**0.5 if few == 1 else 0.0) * 0.1 ** np.arange(n)
     problem = contin.FunctionProblem(residual, start, START, jacobian=jacobian)
-    line = contin.continuation(contin.equilibrium(problem), "p", (-2, 0))
-    assert stays(contin.continuation(line[f"{type_}1"].locus(("p", "q")), ("p", "q"), BOX), 1e-3)
+    branch = contin.continuation(contin.equilibrium(problem), "p", (-2, 0))
+    assert stays(contin.continuation(branch[f"{type_}1"].locus(("p", "q")), ("p", "q"), BOX), 1e-3)
 
 
 @pytest.mark.parametrize("type_", ["CP", "BT", "GH"])

@@ -7,6 +7,7 @@ Equations II, sec. IV.8). They are solved for to rounding, so that the flow is s
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -59,11 +60,11 @@ class Stepper:
                 return None
             with np.errstate(all="ignore"):
                 left = U - x - length * (A @ self.points.values(U, self.p))
-            if not np.all(np.isfinite(left)):
+            if not np.isfinite(left).all():
                 return None
             change = solver.solve(-left.T.ravel()).reshape(-1, STAGES).T
             size = norm(change.ravel()) / self.size
-            if not np.isfinite(size):
+            if not math.isfinite(size):
                 return None
             rate = size / before
             ahead = rate * size if U is not guess else np.inf  # about the next correction, from the second one on

@@ -83,6 +83,26 @@ def full_diagonal(J: csc_matrix) -> csc_matrix:
     return filled
 
 
+def full_diagonals(matrices: Sequence[csc_matrix]) -> list[csc_matrix]:
+    """`full_diagonal` of each; a pattern that comes again is looked through once."""
+    known: csc_matrix | None = None  # the last one whose entries were all there
+    made = []
+    for J in matrices:
+        if known is not None and _alike(J, known):
+            made.append(filled(known, J.data))
+            continue
+        full = full_diagonal(J)
+        known = full if _alike(J, full) else None
+        made.append(full)
+    return made
+
+
+def _alike(J: csc_matrix, other: csc_matrix) -> bool:
+    """Whether both store entries in the same places, column by column."""
+    same = np.array_equal(J.indptr, other.indptr) and np.array_equal(J.indices, other.indices)
+    return same and bool(J.format == other.format)
+
+
 def one_pattern(matrices: Sequence[csc_matrix]) -> list[csc_matrix]:
     """The matrices with the union of their patterns."""
     first = matrices[0]

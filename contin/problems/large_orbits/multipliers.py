@@ -37,12 +37,12 @@ def leading(sweeps: Sweeps, velocity: Array) -> Multipliers:
     v = velocity / size if size > 0.0 else velocity
 
     def quotient(w: Array) -> Array:
-        w = np.asarray(w, dtype=float).ravel()
-        moved = sweeps.monodromy(w - (v @ w) * v)
-        return np.asarray(moved - (v @ moved) * v)
+        """Q M Q w, of a vector or of columns."""
+        moved = sweeps.monodromy(w - np.multiply.outer(v, v @ w))
+        return np.asarray(moved - np.multiply.outer(v, v @ moved))
 
     if n <= DENSE:
-        values, vectors = np.linalg.eig(np.column_stack([quotient(row) for row in np.eye(n)]))
+        values, vectors = np.linalg.eig(quotient(np.eye(n)))
         moving = n if sweeps.mass is None else int(np.sum(np.diff(sweeps.mass.indptr) > 0))  # states without mass: 0
         order = np.argsort(-np.abs(values))[: moving - 1]
         return values[order].astype(complex), vectors[:, order].astype(complex)
@@ -108,7 +108,7 @@ def _restarted(apply: Callable[[Array], Array], start: Array) -> Multipliers:
     while True:
         count = min(wanted, n - 3)
         vectors_kept = min(n - 1, max(room * (2 * count + 2), 20))
-        operator = LinearOperator((n, n), matvec=apply, dtype=float)
+        operator = LinearOperator((n, n), matvec=lambda w: apply(np.asarray(w, dtype=float).ravel()), dtype=float)
         try:
             values, vectors = eigs(operator, k=count, v0=start, tol=1e-10, ncv=vectors_kept)
         except ArpackNoConvergence:

@@ -83,6 +83,8 @@ class ReusedInterval:
         return found[0]
 
     def solve(self, right: Vector) -> Vector:
+        if right.ndim == 2:
+            return np.column_stack([self.solve(column) for column in right.T])
         return self._solved(right, self._apply, False)
 
     def solve_transposed(self, right: Vector) -> Vector:

@@ -23,7 +23,7 @@ from contin.linalg.factor import Factoriser
 from contin.linalg.krylov import Accuracy, gmres
 from contin.linalg.recycled import Recycled
 from contin.linalg.vectors import norm
-from contin.problems.large_orbits.interval import Pattern, full_diagonal, one_pattern
+from contin.problems.large_orbits.interval import Pattern, full_diagonals, one_pattern
 from contin.problems.large_orbits.radau import STAGES
 from contin.problems.large_orbits.reused import intervals_with_shared_factors
 
@@ -36,7 +36,8 @@ NUMBERS: Final = 300_000_000  # ... and of bands, whose size is known, the numbe
 class Interval(Protocol):
     """Solves with the matrix of one interval; the three points of a state stand beside each other."""
 
-    def solve(self, right: Vector) -> Vector: ...
+    def solve(self, right: Vector) -> Vector:
+        """Of a right side, or of columns."""
 
     def solve_transposed(self, right: Vector) -> Vector: ...
 
@@ -54,8 +55,8 @@ class Sweeps:
         cls, jacobians: Sequence[csc_matrix], steps: Array, factoriser: Factoriser, mass: csc_matrix | None = None
     ) -> Sweeps:
         """From J at all points, three by three; steps = T h (intervals,)."""
-        weights = [] if mass is None else [full_diagonal(mass)]
-        matrices = one_pattern([*(full_diagonal(J) for J in jacobians), *weights])
+        weights = [] if mass is None else full_diagonals([mass])
+        matrices = one_pattern([*full_diagonals(jacobians), *weights])
         own = None if mass is None else matrices.pop()
         n = matrices[0].shape[0]
         pattern = Pattern.of(matrices[0])
@@ -89,10 +90,10 @@ class Sweeps:
         return out
 
     def monodromy(self, w: Vector) -> Vector:
-        """M w."""
+        """M w, of a vector (n,) or of columns (n, k)."""
         x = w
         for interval in self.intervals:
-            x = interval.solve(np.repeat(self._weighed(x), STAGES))[STAGES - 1 :: STAGES]
+            x = interval.solve(np.repeat(self._weighed(x), STAGES, axis=0))[STAGES - 1 :: STAGES]
         return x
 
     def transposed(self, w: Vector) -> Vector:

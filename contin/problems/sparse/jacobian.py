@@ -176,7 +176,8 @@ class JacobianSource:
         circled = p.astype(complex)
         with np.errstate(all="ignore"):
             if self.system.lines.analytic:
-                for chosen in np.split(np.arange(count), range(block, count, block)):
+                for first in range(0, count, block):
+                    chosen = np.arange(first, min(first + block, count))
                     steps = np.where(colours == chosen[:, None], size, 0.0)
                     moved = self.system.quickly_at_rows(u + 1j * COMPLEX_STEP * steps, circled)
                     slopes[chosen] = np.imag(moved) / COMPLEX_STEP

@@ -85,7 +85,7 @@ def test_extrema_of_the_period():
     family = contin.continuation(orbit, "m", (0.5, 1.2), direction="up", settings=finer, extrema=["period"])
     found = contin.continuation(
         family["EX1"].locus(("m", "k")), ("m", "k"), {"m": (0.4, 1.5), "k": (0.75, 1.1)}, extrema=["period"],
-        settings=COARSE,
+        settings=COARSE | {"step": 0.05, "max_step": 0.2},
     )  # fmt: skip
     assert np.allclose(found.columns["m"], found.columns["k"], atol=1e-7)
     assert np.ptp(found.columns["k"]) > 0.34

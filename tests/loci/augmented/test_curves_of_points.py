@@ -178,10 +178,12 @@ def test_successive_extrema():
     system = model(equations, {"a": 0, "b": 1, "c": 0.5}, observables={"phi": "x^3"})
     one = line(system, {"x": 0}, "a", (-2, 2), extrema=["phi"])["EX1"]
     box = {"a": (-3, 3), "b": (-3, 3)}
-    second = contin.continuation(one.locus(("a", "b")), ("a", "b"), box, extrema=["phi"])
+    wide = {"max_step": 0.2}
+    second = contin.continuation(one.locus(("a", "b")), ("a", "b"), box, extrema=["phi"], settings=wide)
     assert np.allclose(second.columns["a"], 0.5 * second.columns["b"], atol=1e-8)
     box |= {"c": (-3, 3)}
-    third = contin.continuation(second["EX1"].locus(("c", "a", "b")), ("c", "a", "b"), box, extrema=["phi"])
+    names = ("c", "a", "b")
+    third = contin.continuation(second["EX1"].locus(names), names, box, extrema=["phi"], settings=wide)
     assert np.allclose(third.columns["b"], third.columns["c"], atol=1e-7)
     best = third["EX1"]
     assert best.values["c"] == pytest.approx(1.0, abs=1e-7)

@@ -75,8 +75,14 @@ def test_second_lyapunov_coefficient_is_that_of_the_form_for_a_unit_eigenvector(
     assert BAUTIN.curve("HB1")["GH1"].normal_form["l2"] == pytest.approx(-4.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize(("s", "theta"), [(1, 0.7), (1, -0.6), (-1, 0.8), (-1, -0.9)])
+@pytest.mark.parametrize(
+    ("s", "theta", "seed"),
+    [
+        pytest.param(*case, seed, marks=() if seed in (None, 1 + k % 2) else pytest.mark.long)  # one change of states
+        for k, case in enumerate([(1, 0.7), (1, -0.6), (-1, 0.8), (-1, -0.9)])
+        for seed in SEEDS
+    ],
+)
 def test_zero_hopf_form_in_all_four_cases(seed, s, theta):
     line = zero_hopf(s, theta)
     folds = line.curve("LP1", seed)

@@ -29,7 +29,7 @@ def test_circles_that_touch_a_line_lie_where_their_radius_says():
 
 def fold_of(model, start, first, parameters):
     orbit = api.periodic_orbit(model, start, parameters)
-    family = api.continuation(orbit, first, direction="up", settings={"steps": 90})
+    family = api.continuation(orbit, first, direction="up", settings={"steps": 90, "stop_at": ("LPC",)})
     return next(p for p in family.points if p.normal_form.get("kind") == "nonsmooth")
 
 
@@ -58,7 +58,8 @@ def test_a_surface_may_be_touched_and_crossed_in_one_period():
     )  # fmt: skip
 
     def fold(s):
-        family = api.continuation(api.periodic_orbit(model, None, {"s": s}), "alpha", (0.02, 0.2))
+        orbit = api.periodic_orbit(model, None, {"s": s})
+        family = api.continuation(orbit, "alpha", (0.02, 0.2), settings={"stop_at": ("LPC",)})
         return next(p for p in family.points if p.normal_form.get("kind") == "nonsmooth")
 
     box = {"alpha": (0.01, 0.2), "s": (2.46, 2.6)}

@@ -1,5 +1,7 @@
 """Curves of folds and Hopf points of large systems: closed forms, and the method of small systems on the same model."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -57,14 +59,15 @@ def brusselator(m):
     return contin.FunctionProblem(residual, start, {"B": 5.0, "l": 1.0}, jacobian=jacobian)
 
 
+@cache
 def fold_curve(n, sparse):
     line = contin.continuation(combustion(n, sparse), "lam", (0, 6), settings={"stop_at": ("LP",)})
     span = {"lam": (2, 10), "e": (0, 0.4)}
-    return contin.continuation(line["LP1"].locus(), ["lam", "e"], span, settings={"stop_at": ("CP",)})
+    return contin.continuation(line["LP1"].locus(), ["lam", "e"], span, settings={"stop_at": ("CP",), **WIDE})
 
 
 def test_the_cusp_of_the_combustion_problem_is_that_of_the_dense_method():
-    large, dense = fold_curve(40, True), fold_curve(40, False)
+    large, dense = fold_curve(19, True), fold_curve(19, False)
     assert [p.type for p in large.points] == [p.type for p in dense.points] == ["CP"]
     for name in ("lam", "e"):
         assert large["CP1"].values[name] == pytest.approx(dense["CP1"].values[name], abs=1e-10)
@@ -76,12 +79,12 @@ def test_the_cusp_of_the_discretised_problem_converges_with_second_order():
     assert (places[1] - places[0]) / (places[2] - places[1]) == pytest.approx(4.0, rel=0.02)
 
 
-@pytest.mark.parametrize("m", [40])
-def test_hopf_points_of_the_brusselator_lie_on_their_curve(m):
+def test_hopf_points_of_the_brusselator_lie_on_their_curve():
     """One half-wave: B = 1 + A^2 + (Dx + Dy) k, k = 4 (m+1)^2 sin^2(pi/(2 (m+1)))/l^2."""
+    m = 12
     line = contin.continuation(brusselator(m), "B", (5.0, 6.0), settings={"stop_at": ("HB",)})
     span = {"B": (5, 7), "l": (0.5, 2.0)}
-    curve = contin.continuation(line["HB1"].locus(), ["B", "l"], span, settings={"max_step": 0.25})
+    curve = contin.continuation(line["HB1"].locus(), ["B", "l"], span, settings=WIDE)
     wave = 4 * (m + 1) ** 2 * np.sin(np.pi / 2 / (m + 1)) ** 2 / curve.columns["l"] ** 2
     np.testing.assert_allclose(curve.columns["B"], 5 + 0.012 * wave, rtol=1e-11)
     assert not any(curve.columns["neutral"])
@@ -131,7 +134,7 @@ def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):
 
 def test_from_bt_to_the_other_curve():
     line = as_large(BOGDANOV_TAKENS)
-    folds = follow(line["LP1"], box=NEAR, settings={"stop_at": ("BT",)})
+    folds = follow(line["LP1"], box=NEAR, settings={"stop_at": ("BT",), **WIDE})
     hopf = contin.continuation(folds["BT1"].locus(), ["p", "q"], NEAR, settings=WIDE)
     assert hopf.locus == "HB"
     np.testing.assert_allclose(hopf.columns["p"], 0.0, atol=1e-8)

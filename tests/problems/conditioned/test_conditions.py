@@ -92,14 +92,17 @@ def test_the_backbone_of_a_conservative_oscillator_is_its_elliptic_integral():
     family = contin.continuation(rest["HB1"].switch(), "d", (-0.5, 0.5), values={"x.max": [1]}, settings={"steps": 40})
     point = family["UZ1"]
     start = Seed(family.problem.with_active("a", point.z), np.append(point.z[:-1], 1.0))
-    branch = contin.continuation(start, "a", (0.5, 2), conditions=["x.max = a"], free=["d"], values={"period": [5]})
+    wide, periods = {"max_step": 0.2}, {"period": [5]}
+    branch = contin.continuation(
+        start, "a", (0.5, 2), conditions=["x.max = a"], free=["d"], values=periods, settings=wide
+    )
     a = branch.columns["a"]
     period = 4 / np.sqrt(1 + a * a) * ellipk(a * a / (2 * (1 + a * a)))
     np.testing.assert_allclose(branch.columns["period"], period, atol=1e-8)
     np.testing.assert_allclose(branch.columns["d"], 0.0, atol=1e-10)
     point = branch["UZ1"]
     start = Seed(point.problem.with_active("k", point.z), np.append(point.z[:-1], 1.0))
-    other = contin.continuation(start, "k", (0.5, 20), conditions=["period = 5"], free=["d"])
+    other = contin.continuation(start, "k", (0.5, 20), conditions=["period = 5"], free=["d"], settings=wide)
     height, k = other.columns["x.max"], other.columns["k"]
     np.testing.assert_allclose(k * height**2, k[0] * height[0] ** 2, rtol=1e-9)
     assert other.unexplained == 0, other.notes  # of d, rounding all along, nothing is asked

@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 
 import contin
+from contin.linalg.csc import filled
 
 
 def planted(a3, a5, exact=False):
@@ -36,15 +37,13 @@ def planted(a3, a5, exact=False):
             [0, 0, 0, 0, mu - 0.3 - a, -0.4, 0], [0, 0, 0, 0, 0.4, mu - 0.3 - a, 0],
             [0, 0, 0, 0, 0, 0, mu - 0.4 - a - 3 * s * s],
         ])  # fmt: skip
-        return sparse.csc_matrix((full.T[filled.T], rows, starts), shape=(7, 7))
+        return filled(pattern, full.T[entries.T])
 
     pattern = np.zeros((7, 7))
     pattern[:2, :2] = pattern[2:4, :4] = pattern[4:6, 4:6] = pattern[6, 6] = 1
     names = ["x", "y", "w1", "w2", "v1", "v2", "s"]
-    filled = pattern > 0
-    filled[2:4, :4] = True
+    entries = pattern > 0
     pattern = sparse.csc_matrix(pattern)
-    rows, starts = pattern.indices, pattern.indptr
     derivatives = {"jacobian": jacobian} if exact else {"sparsity": pattern}
     return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5, "a": 0.0}, states=names, **derivatives)
 
@@ -52,7 +51,7 @@ def planted(a3, a5, exact=False):
 def family(problem, span, **settings):
     line = contin.continuation(problem, "mu", (-0.6, 0.2))
     hopf = next(p for p in line.points if p.type == "HB" and abs(p.values["mu"]) < 1e-6)
-    return contin.continuation(hopf.switch(), "mu", span, settings={"intervals": 8, **settings})
+    return contin.continuation(hopf.switch(), "mu", span, settings={"intervals": 8, "step": 0.05, **settings})
 
 
 def landau(points, method):

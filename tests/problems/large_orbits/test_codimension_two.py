@@ -25,18 +25,21 @@ def folding(z, p):
 
 def doubling_and_torus(z, p):
     """As in `test_normal_forms`, with the torus' frequency, K, the rate of the plane and a term of fifth order as
-    parameters."""
-    x, y, w1, w2, v1, v2 = z.tolist()
+    parameters; of four states without the torus."""
+    x, y, w1, w2, *torus = z.tolist()
+    v1, v2 = torus or (0.0, 0.0)
     k, e = p["k"], 0.5 + p["e"]
     mu, r2, w, v = p["mu"], x * x + y * y, w1 * w1 + w2 * w2, v1 * v1 + v2 * v2
     growth, speed = mu - r2 + M * (w + v), 1.0 + 0.2 * v
-    gain = mu - 0.3 + GAIN * (r2 - mu) - k * v - p["q"] * v * v
-    turn = p["omega"] - 0.4 * v
-    return np.array([
+    doubled = [
         growth * x - speed * y, growth * y + speed * x,
         (x - e - k * w) * w1 + (y - 0.5) * w2, (y + 0.5) * w1 - (x + e + k * w) * w2,
-        gain * v1 - turn * v2, gain * v2 + turn * v1,
-    ])  # fmt: skip
+    ]  # fmt: skip
+    if not torus:
+        return np.array(doubled)
+    gain = mu - 0.3 + GAIN * (r2 - mu) - k * v - p["q"] * v * v
+    turn = p["omega"] - 0.4 * v
+    return np.array([*doubled, gain * v1 - turn * v2, gain * v2 + turn * v1])
 
 
 def found_on(curve, labels):
@@ -72,8 +75,8 @@ def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
     assert not any("unstable changes" in note for note in curve.notes)
 
 
-def doubled_and_torus(**settings):
-    problem = function(doubling_and_torus, 6, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34, "q": 0.0})
+def doubled_and_torus(states=6, **settings):
+    problem = function(doubling_and_torus, states, {"mu": -0.5, "k": 0.65, "e": 0.0, "omega": 0.34, "q": 0.0})
     return family(problem, (-0.1, 0.32), intervals=INTERVALS, **settings)
 
 
@@ -82,10 +85,11 @@ def planted():
     return doubled_and_torus(stop_at=("PD",))
 
 
-def test_a_generalised_period_doubling(planted):
+def test_a_generalised_period_doubling():
     """c = M/(2 r) - k vanishes at r = 1/2; r = sqrt(mu + M w^2) has -M^2/(8 r^3) w^4."""
+    doubling = doubled_and_torus(4, stop_at=("PD",))["PD1"]
     span = {"mu": (0.1, 0.5), "k": (0.645, 0.72)}
-    curve = contin.continuation(planted["PD1"].locus(), ("mu", "k"), span, settings=LONG)
+    curve = contin.continuation(doubling.locus(), ("mu", "k"), span, settings=LONG)
     (point,) = found_on(curve, ["GPD"])
     assert abs(point.values["k"] - M) < point.error < MESH
     agrees(point, e=-M * M)

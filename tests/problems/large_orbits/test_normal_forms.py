@@ -15,7 +15,7 @@ def function(residual, states, parameters, **options):
 def family(problem, span, **settings):
     line = contin.continuation(problem, "mu", (-0.6, 0.2))
     hopf = next(p for p in line.points if p.type == "HB" and abs(p.values["mu"]) < 1e-6)
-    return contin.continuation(hopf.switch(), "mu", span, settings={"intervals": 10, **settings})
+    return contin.continuation(hopf.switch(), "mu", span, settings={"intervals": 10, "step": 0.05, **settings})
 
 
 def known(point, name):

@@ -54,7 +54,7 @@ def tori(residual, start, parameters, names, span, **settings):
     problem = contin.FunctionProblem(residual, start, {"mu": -0.05, **parameters}, sparsity=full)
     line = contin.continuation(problem, "mu", (-0.1, 0.5), settings={"stop_at": ("HB",)})
     orbits = contin.continuation(
-        line["HB1"].switch(), "mu", (-0.1, 0.45), settings={"intervals": 8, "stop_at": ("NS",)}
+        line["HB1"].switch(), "mu", (-0.1, 0.45), settings={"intervals": 8, "step": 0.05, "stop_at": ("NS",)}
     )
     return contin.continuation(orbits["NS1"].locus(), names, span, settings={**LONG, **settings})
 

@@ -96,9 +96,9 @@ def test_a_family_is_born_whatever_the_phases_of_its_states():
 
 
 def test_multipliers_of_a_uniform_oscillation_are_those_in_closed_form():
-    points = 12
+    points = 6
     line = contin.continuation(landau(points, "differences"), "mu", (-0.2, 0.3), settings={"stop_at": ("HB",)})
-    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 3, "method": "shooting"})
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 2, "method": "shooting"})
     mu = float(found.columns["mu"][-1])
     period = 2 * np.pi / (1 + 0.8 * mu)
     assert found.columns["period"][-1] == pytest.approx(period, rel=ERROR)
@@ -146,7 +146,10 @@ def test_factors_are_shared_where_those_of_all_intervals_do_not_fit(monkeypatch)
         monkeypatch.setattr(sweeps, "NUMBERS", numbers)
         made = sweeps.Sweeps.of([line] * 12, np.full(4, 0.1), Factoriser())
         kinds.append([type(one).__name__ for one in made.intervals])
-        moved.append(made.monodromy(np.arange(30.0)))
+        columns = np.column_stack([np.arange(30.0), np.cos(np.arange(30.0))])
+        moved.append(made.monodromy(columns[:, 0]))
+        at_once = made.monodromy(columns)
+        np.testing.assert_allclose(at_once.T, [moved[-1], made.monodromy(columns[:, 1])], rtol=1e-10)
     np.testing.assert_allclose(moved[0], moved[1], rtol=1e-10)
     assert kinds == [["BandFactor"] * 4, ["ReusedInterval"] * 4]
 
