@@ -47,7 +47,7 @@ def coefficient(problem: CurveOfPoints, z: Array, v: Array, w: Array) -> float:
     try:
         h = np.linalg.solve(bordered, np.append(-quadratic, 0.0))[:n]
     except np.linalg.LinAlgError as error:
-        return untold(problem, "DP", error)
+        return untold(problem, "DP", z, error)
     return float(w @ (form(v, v, v) + 3.0 * form(v, h))) / size
 
 

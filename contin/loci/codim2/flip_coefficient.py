@@ -22,7 +22,7 @@ def flip_coefficient(problem: CurveOfPoints, z: Array) -> float:
     try:
         return of_jet(jet_at(problem, z))
     except (ZeroDivisionError, np.linalg.LinAlgError) as error:
-        return untold(problem, "GPD", error)
+        return untold(problem, "GPD", z, error)
 
 
 def of_jet(jet: Jet) -> float:

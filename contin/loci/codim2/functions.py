@@ -165,7 +165,7 @@ def _map_lyapunov(problem: CurveOfPoints, z: Array, cosine: float, beyond_error:
     try:
         return cubic_beyond_error(jet, theta) if beyond_error else cubic_on_circle(jet, theta).real
     except (ZeroDivisionError, np.linalg.LinAlgError) as error:
-        return untold(problem, "CH", error)
+        return untold(problem, "CH", z, error)
 
 
 def rounding_of(problem: CurveOfPoints, type_: str, z: Array) -> float:

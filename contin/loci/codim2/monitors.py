@@ -58,7 +58,7 @@ def _lyapunov(problem: CurveOfPoints, z: Array) -> float:
     try:
         return lyapunov(problem, z)
     except NO_FORM as reason:
-        return untold(problem, "GH", reason)
+        return untold(problem, "GH", z, reason)
 
 
 def quadratic(problem: CurveOfPoints, z: Array, v: Array, psi: Array) -> float:

@@ -229,7 +229,10 @@ class LocusProblem(CurveOfPoints):
         return events.test_of(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        found = events.verify(self.near(near.z, frame), type_, near, frame)
+        own = self.near(near.z, frame)
+        if not own.curve.compiled:  # the borders of a chunk's first row may be no borders at its last one
+            own = replace(own, curve=own.curve.settled(near.z, frame.scale))
+        found = events.verify(own, type_, near, frame)
         return found if self.has_stability else timeless.point_without(found)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
@@ -278,7 +281,7 @@ class LocusProblem(CurveOfPoints):
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What holds all along the curve, and which tests failed on it."""
-        return [*self._properties(z), *self._kernels_of_two(z), *uncomputed_tests.remarks(self)]
+        return [*self._properties(z), *self._kernels_of_two(z), *uncomputed_tests.remarks(self, z)]
 
     def _kernels_of_two(self, z: Array) -> Sequence[str]:
         """Of algebraic equations, where no count of eigenvalues tells of them."""
