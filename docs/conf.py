@@ -14,8 +14,17 @@ shared_runs = TemporaryDirectory()  # results that several pages look at: metron
 os.environ["CONTIN_DOCS_RUNS"] = shared_runs.name
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [*PAGES, os.environ.get("PYTHONPATH")]))
 
+from contin.machine import environment  # noqa: E402
+
+environment.fix()  # before numpy is there: cells have the digits of the command
+
 from docstrings import as_restructured_text  # noqa: E402
+from myst_nb.core.execute import direct  # noqa: E402
 from sphinx.errors import ExtensionError  # noqa: E402
+
+FORKS = os.name == "posix"  # elsewhere a kernel is started for each page: dearer, and the same
+if FORKS:
+    from cells import execute, load  # noqa: E402
 
 from contin._version import __version__  # noqa: E402
 
@@ -35,6 +44,8 @@ nb_execution_in_temp = True  # what the cells write does not stay in the sources
 nb_merge_streams = True
 nb_render_markdown_format = "myst"  # tables of the labels
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+if FORKS:
+    direct.single_nb_execution = lambda nb, cwd, timeout, **_: execute(nb, cwd, timeout, PAGES)
 suppress_warnings = ["mystnb.unknown_mime_type"]
 
 autodoc_member_order = "bysource"
@@ -50,6 +61,8 @@ def setup(app):
 
     app.connect("autodoc-process-docstring", convert)
     app.connect("build-finished", count_pictures)
+    if FORKS:
+        load()
     app.set_html_assets_policy("always")  # models show typeset equations in outputs: MathJax on every page
 
 

@@ -2,8 +2,9 @@
 
 import os
 import shutil
-import subprocess
 from pathlib import Path
+
+from contin.cli.main import main
 
 SHARED = "CONTIN_DOCS_RUNS"  # the folder that `conf.py` makes for a build
 
@@ -22,5 +23,9 @@ def take(*names: str) -> None:
         if SHARED in os.environ and kept.exists():
             shutil.copy(kept, os.curdir)
         else:
-            subprocess.run(["contin", "run", f"metronomes/{name}", "--quiet"], check=True)
+            try:
+                main(["run", f"metronomes/{name}", "--quiet"])
+            except SystemExit as end:
+                if end.code:
+                    raise RuntimeError(f"the run {name} ended with exit code {end.code}") from end
             keep(name)
