@@ -24,7 +24,7 @@ from sphinx.errors import ExtensionError  # noqa: E402
 
 FORKS = os.name == "posix"  # elsewhere a kernel is started for each page: dearer, and the same
 if FORKS:
-    from cells import execute, load  # noqa: E402
+    from cells import execute, load
 
 from contin._version import __version__  # noqa: E402
 
