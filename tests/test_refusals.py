@@ -80,3 +80,47 @@ def test_a_declared_name_is_never_taken_for_a_delay_or_a_noise():
     equations = {"x": "-x + x_tau", "x_tau": "x - x_tau + dW", "noise": "-noise"}
     model = contin.load({"name": "chain", "states": states, "parameters": {"dW": 0.1}, "equations": equations})
     assert model.state_names == ("x", "x_tau", "noise")
+
+
+VERBS = {
+    "average": contin.average,
+    "boundary_problem": contin.boundary_problem,
+    "connection": contin.connection,
+    "continuation": lambda given: contin.continuation(given, "mu", (0, 1)),
+    "deflated": lambda given: contin.deflated(given, "mu", (0, 1)),
+    "diagram": lambda given: contin.diagram(given, "mu", (0, 1)),
+    "draw": contin.draw,
+    "equilibrium": contin.equilibrium,
+    "find_equilibria": contin.find_equilibria,
+    "find_start": contin.find_start,
+    "lyapunov": contin.lyapunov,
+    "manifold": lambda given: contin.manifold(given, length=1.0),
+    "periodic_orbit": contin.periodic_orbit,
+    "phase": lambda given: contin.phase(given, ["mu", "nu"], {"mu": (0, 1), "nu": (0, 1)}),
+    "plane": lambda given: contin.plane(given, "x", "y"),
+    "scan": lambda given: contin.scan(given, {"mu": [0.0, 1.0]}),
+    "simulate": contin.simulate,
+    "survey": contin.survey,
+    "sweep": lambda given: contin.sweep(given, "mu", (0, 1)),
+    "torus": lambda given: contin.torus(given, "mu", (0, 1)),
+    "walk": lambda given: next(contin.walk(given, "mu", (0, 1))),
+}
+
+
+@pytest.mark.parametrize("given", ["a-name", RING, lambda u, p: u, None], ids=["name", "mapping", "function", "none"])
+def test_every_verb_refuses_what_is_no_model_in_words(given):
+    elsewhere = {"average", "lyapunov", "plane", "scan", "simulate", "sweep"}
+    assert elsewhere | {*contin.__all__} & {*contin.api.__all__} == {*VERBS, "connecting_orbit"}
+    for verb in VERBS.values():
+        with pytest.raises(InputError):
+            verb(given)
+
+
+def test_what_is_no_model_is_told_how_to_become_one():
+    with pytest.raises(InputError, match=r"got str: load it first: contin.load\('brusselator'\)"):
+        contin.equilibrium("brusselator")
+    with pytest.raises(InputError, match=r"got function: .* contin.FunctionProblem\(function, u0, parameters\)"):
+        contin.simulate(lambda u, p: u)
+    line = contin.continuation(contin.equilibrium(contin.load(RING)), "mu", (-1, 1))
+    with pytest.raises(InputError, match=r"got SpecialPoint: .* contin.continuation\(point.switch\(\), ...\)"):
+        contin.periodic_orbit(line["HB1"])

@@ -24,7 +24,7 @@ from contin.api.searches import find_equilibria
 from contin.api.zeros_held import with_zeros_held
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.problems.sparse.as_dense import MOST, SMALL
 from contin.problems.sparse.from_model import sparse_function
@@ -63,6 +63,7 @@ def find_start(
 
     Raises NoSolutionError, which names what was tried.
     """
+    need_model(model)
     need_time(model, "equilibria or cycles")
     start = named_start(model, start)
     first: FoundStart | NoSolutionError

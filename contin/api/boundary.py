@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from contin.abi import Array
 from contin.bvp.from_guess import BoundaryGuess, boundary_guess
+from contin.model.kinds import need_model
 from contin.model.model import Model
 
 
@@ -27,4 +28,5 @@ def boundary_problem(
     `continuation(boundary_problem(model), "p", (lo, hi))` labels LP and BP (normal forms `a`; `kind`, `a02`, `b11`,
     `b20`, `b30` of the reduced equation) and, where asked for, UZ and EX.
     """
+    need_model(model)
     return boundary_guess(model, start, parameters, free, samples)

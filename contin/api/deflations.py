@@ -17,6 +17,7 @@ from contin.continuation.settings import Settings
 from contin.diagram.diagram import Diagram
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.limits import check_count
+from contin.model.kinds import need_model
 from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.records import Record
@@ -53,6 +54,7 @@ def deflated(
     samples : how many values, evenly spaced; or the values themselves, in the order in which they are searched.
     tries : guesses with a window that may fail one after the other before the search at a value ends.
     """
+    need_model(model)
     if isinstance(samples, int):
         check_count("samples", samples)
     check_count("tries", tries, 0)

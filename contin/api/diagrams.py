@@ -23,7 +23,7 @@ from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.machine.one_thread import one_thread
 from contin.model.advice import place_of_parameter
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.problems.sparse.as_dense import SMALL
 from contin.problems.symmetry_group import group_note
 from contin.records import Record
@@ -132,6 +132,7 @@ def phase(
 
     Raises NoSolutionError where no start leads to an equilibrium.
     """
+    need_model(model)
     need_time(model, "phase diagrams")
     model = for_branches(model)
     if getattr(model, "forcing", None) is not None:

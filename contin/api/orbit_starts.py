@@ -14,7 +14,7 @@ from contin.api.machine_code import compiled, for_orbits
 from contin.api.requirements import need_parameters
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.lazy import module
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.model.model import Model
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
 from contin.records import Fields, Record
@@ -59,7 +59,6 @@ def periodic_orbit(
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
-    need_time(model, "periodic orbits")
     _need_flow(model)
     if isinstance(model, Model) and model.events:
         return _with_events(model, start, parameters, transient)
@@ -90,7 +89,9 @@ def periodic_orbit(
 
 
 def _need_flow(model: Any) -> None:
-    """Refuses maps."""
+    """Refuses what is no model, models without time, and maps."""
+    need_model(model)
+    need_time(model, "periodic orbits")
     if getattr(model, "kind", "flow") == "map":
         raise InputError(
             f"model {model.name!r} is a map, whose cycles are fixed points of its iterates: start from the one that "

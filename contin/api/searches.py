@@ -11,7 +11,7 @@ from contin.api.fixed_totals import for_branches
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError
-from contin.model.kinds import need_states
+from contin.model.kinds import need_model, need_states
 from contin.model.model import Model
 from contin.records import Record
 from contin.search.equilibria_in_box import FoundEquilibrium, find, make_box
@@ -37,6 +37,7 @@ def find_equilibria(
     Solutions are told apart modulo angle periods; those that a declared symmetry makes of another one have `image_of`.
     There is no guarantee that all are found: more `starts` or a smaller box find more.
     """
+    need_model(model)
     refuse_forced(model)
     need_states(model, "equilibria")
     if isinstance(model, FunctionProblem) and not model.state_names:

@@ -13,7 +13,7 @@ from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
 from contin.lazy import module
 from contin.machine.one_thread import one_thread
-from contin.model.kinds import need_states
+from contin.model.kinds import need_model, need_states
 from contin.problems.sparse.from_model import sparse_function
 from contin.records import Record
 from contin.search.equilibrium_from_guess import converge
@@ -47,6 +47,7 @@ def equilibrium(
 
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """
+    need_model(model)
     refuse_forced(model)
     if is_auto(model, start) and period == 1:
         return module("auto start").find_start(model, parameters, cycles=False).solution

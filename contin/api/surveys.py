@@ -19,6 +19,7 @@ from contin.api.survey_side import Side, follow
 from contin.errors import InputError
 from contin.model.advice import place_of_parameter
 from contin.model.expression import symbols_in
+from contin.model.kinds import need_model
 from contin.model.model import Model
 from contin.plot.survey import drawn
 from contin.records import Fields, Record
@@ -143,6 +144,7 @@ def survey(
 
     Raises NoSolutionError where no attractor is found.
     """
+    need_model(model)
     began = time.perf_counter()
     if not factor > 1.0:
         raise InputError(f"factor must be above 1; got {factor!r}")

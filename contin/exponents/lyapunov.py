@@ -19,7 +19,7 @@ from contin.exponents.disturbances import Growth, generic_directions, logarithms
 from contin.exponents.spectrum import LyapunovSpectrum
 from contin.limits import check_count
 from contin.model.advice import place_of_parameter
-from contin.model.kinds import has_steps, need_time
+from contin.model.kinds import has_steps, need_model, need_time
 from contin.model.model import Model
 from contin.problems.hybrid.flow import HybridFlow
 from contin.records import Record
@@ -72,6 +72,7 @@ def lyapunov(
 
     Cost: per time unit that of simulating 1 + count copies; Lorenz, 3 exponents to 0.002: 2 s.
     """
+    need_model(model)
     need_time(model, "Lyapunov exponents")
     if (parameter is None) != (values is None):
         raise InputError("parameter and values belong together: parameter='a', values=[1, 1.5, 2]")

@@ -2,13 +2,35 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from typing import Any, Final
 
 from contin.errors import InputError
 from contin.model.expression import depends_on, postorder
 from contin.model.parts import TIME
+from contin.offers import offers
 
 JUMPING: Final = frozenset({"floor", "ceil", "mod"})
+
+
+
+def need_model(model: Any) -> None:
+    """Raises InputError where a verb that takes a model gets its name, its file, a bare function or a result."""
+    kind: type = type(model)
+    if offers(kind, "start_point"):
+        return
+    if isinstance(model, (str, os.PathLike)):
+        advice = f"load it first: contin.load({model!r})"
+    elif isinstance(model, Mapping):
+        advice = "load it first: contin.load(mapping)"
+    elif offers(kind, "switch"):
+        advice = "what is born at a labelled point is followed by contin.continuation(point.switch(), ...)"
+    elif callable(model):
+        advice = "make a model of a function first: contin.FunctionProblem(function, u0, parameters)"
+    else:
+        advice = "contin.load(...) and contin.FunctionProblem(...) make one"
+    raise InputError(f"expected a model, got {kind.__name__}: {advice}")
 
 
 def need_time(model: Any, what: str) -> None:

@@ -15,7 +15,7 @@ from contin.api.requirements import refuse_forced
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.expression import neg, number, substitute, symbol
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.model.model import Model
 from contin.records import Record
 from contin.systems.functions.function_problem import FunctionProblem
@@ -164,6 +164,7 @@ def planar_field(
     start: str | Record | None = None,
 ) -> PlanarField:
     """The field of states x and y; the others are held at their values in the start, or `at`."""
+    need_model(model)
     need_time(model, "phase plane")
     refuse_forced(model)
     if not (isinstance(model, (FunctionProblem, Model))) or getattr(model, "mass", None):

@@ -12,7 +12,7 @@ from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.model.model import Model
 from contin.model.parts import TIME
 from contin.records import Record
@@ -175,6 +175,7 @@ def simulate(
     The flow may use the time `t` without `forcing`, and have no states; states may be infinite or not a number.
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
     """
+    need_model(model)
     need_time(model, "trajectories")
     jumping = isinstance(model, Model) and bool(model.events)
     model = model if jumping else with_named_totals(model, parameters or ())

@@ -12,7 +12,7 @@ from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.model.advice import place_of_parameter
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
 from contin.simulate.measures import with_measures
@@ -100,6 +100,7 @@ def sweep(
 
     Raises InputError. A run that escapes or slides is recorded, and the next starts from the sweep's start.
     """
+    need_model(model)
     ends = [float(v) for v in range]
     if len(ends) != 2:
         raise InputError(f"range: a lower and an upper end; got {len(ends)} values (`steps` says how many are between)")

@@ -16,7 +16,7 @@ import numpy as np
 
 from contin import lazy
 from contin.errors import InputError
-from contin.model.kinds import need_time
+from contin.model.kinds import need_model, need_time
 from contin.records import Fields, Record
 from contin.simulate.scan.grid import Outcome, ScanSpec, table
 from contin.simulate.scan.runner import Runner, run_batch
@@ -99,6 +99,7 @@ def scan(
     axes : {parameter or state: values}.  starts : the model's starts or mappings of states, or {name: one of these}.
     measures, classes, settle : see `contin.simulate.scan.grid.ScanSpec`.  threads, cluster, watch : see `carry_out`.
     """
+    need_model(model)
     need_time(model, "runs in time to scan")
     grid = tuple((name, np.asarray(values, dtype=float)) for name, values in axes.items())
     chosen, names = (tuple(starts.values()), tuple(starts)) if isinstance(starts, Mapping) else (tuple(starts), ())

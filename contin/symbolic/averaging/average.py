@@ -5,6 +5,7 @@ A derivation takes a second, most of it the computer algebra system's; what it g
 
 from __future__ import annotations
 
+from contin.model.kinds import need_model
 from contin.model.model import Model
 from contin.symbolic.averaging.derived import derived
 from contin.symbolic.averaging.form_names import FORMS
@@ -36,6 +37,7 @@ def average(model: Model, form: str = "polar", time: str = "slow", order: int = 
         The model is not of this kind; the message quotes the term that does not fit.
     """
 
+    need_model(model)
     def derive() -> Model:
         from contin.symbolic.averaging.averaged import averaged  # not before: it brings computer algebra, half a second
 
