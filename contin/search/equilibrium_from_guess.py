@@ -24,7 +24,7 @@ from contin.problems.surfaces.sliding import Sliding
 from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
 from contin.systems.described import states_in_words
-from contin.systems.iterate import IteratedSystem
+from contin.systems.iterate import IteratedSystem, sizes_along
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -266,8 +266,9 @@ def _damped(
 
 def _scale_at(system: System, u: Array, p: Array) -> Array:
     """Sizes of the states at u; one that is zero with rounding errors beside others tells nothing."""
-    natural, largest = natural_metric(system, u, p).states, float(np.abs(u).max(initial=0.0))
-    return np.maximum(np.abs(u), np.maximum(1e-3 * largest, 1e-15 * natural)) if largest > 0.0 else natural
+    natural, own = natural_metric(system, u, p).states, sizes_along(system, u, p)
+    largest = float(own.max(initial=0.0))
+    return np.maximum(own, np.maximum(1e-3 * largest, 1e-15 * natural)) if largest > 0.0 else natural
 
 
 def _powell(problem: EquilibriumProblem, u: Array) -> Array | None:
@@ -301,8 +302,9 @@ def _is_rounding(function: Callable[[Array], Array], u: Array, f: Array, step: A
 def _is_lost_in_its_terms(system: System, u: Array, p: Array, f: Array) -> bool:
     """True where f at u is no more than rounding errors of its terms, as at a fold, where Newton's steps are large."""
     full = np.append(p, 0.0) if system.is_forced else p
-    values = np.abs(np.concatenate([u, full]))
-    terms = np.abs(np.asarray(system.jacobian(u, full)[1])) @ values + (np.abs(u) if system.kind == "map" else 0.0)
+    own = sizes_along(system, u, full)
+    values = np.abs(np.concatenate([own, full]))
+    terms = np.abs(np.asarray(system.jacobian(u, full)[1])) @ values + (own if system.kind == "map" else 0.0)
     return bool(np.all(np.abs(f) <= LOST * np.finfo(float).eps * terms))
 
 

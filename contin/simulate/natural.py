@@ -23,6 +23,7 @@ from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.simulate.beyond_slopes import lengths_beyond_slopes
+from contin.systems.iterate import sizes_along
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -68,8 +69,9 @@ def natural_metric(system: System, u: Array, p: Array, seen: Array | None = None
     if system.kind == "map":
         f, matrix = f - u, matrix - np.eye(n)
     rate = float(np.abs(np.linalg.eigvals(matrix)).max())
-    size = np.where(declared > 0.0, declared, np.maximum(beyond_rounding(u, usual), usual))
-    terms = np.abs(jacobian) @ np.abs(np.concatenate([u, full]))  # what cancels in f, to first order
+    reached = sizes_along(system, u, full)
+    size = np.where(declared > 0.0, declared, np.maximum(beyond_rounding(reached, usual), usual))
+    terms = np.abs(jacobian) @ np.abs(np.concatenate([reached, full]))  # what cancels in f, to first order
     moved = np.where(np.abs(f) > ROUNDING * terms, np.abs(f), 0.0) / (rate if rate > 0.0 else np.inf)
     size = np.where(size > 0.0, size, moved)
     found, guessed = filled(size, np.abs(matrix))

@@ -215,3 +215,13 @@ def halves_change_places(system: IteratedSystem, u: Array, p: Sequence[Array]) -
     cosines = np.sum(apart[1:] * apart[:-1], axis=1)
     turned = np.flatnonzero(cosines < -OPPOSITE * lengths[1:] * lengths[:-1])
     return int(turned[0]) + 1 if len(turned) else None
+
+
+def sizes_along(system: System, u: ArrayLike, p: ArrayLike) -> Array:
+    """Largest moduli (n,) of the states at u and, of an iterate, at the points up to its image.
+
+    Rounding errors of an iterate are those of all points of the cycle: at one point states may be zero.
+    """
+    if isinstance(system, IteratedSystem):
+        return np.asarray(np.abs(list(system.orbit(u, p))).max(axis=0))
+    return np.asarray(np.abs(u))

@@ -10,6 +10,7 @@ from contin.continuation.outcome import Rejected, Verified
 from contin.continuation.sample import Frame, Sample
 from contin.lowering import compile_system
 from contin.problems.maps.unrolled import sharper
+from contin.simulate.natural import natural_metric
 from contin.systems import iterate as iterates
 
 
@@ -52,7 +53,6 @@ def test_compiled_iterates_are_those_by_the_chain_rule(k):
     np.testing.assert_allclose(np.atleast_2d(slopes)[:, 2], (ahead - behind) / (2 * step), rtol=1e-6, atol=1e-8)
 
 
-
 def beside_a_fast_state(states, equations, rate):
     """The map with a state that grows by `rate` a step along what it had, which is coupled both ways and stays zero."""
     name = next(iter(states))
@@ -90,3 +90,16 @@ def test_points_that_the_iterate_cannot_place_are_found_in_all_points_of_the_cyc
         assert found.unstable == unstable
         np.testing.assert_allclose(found.z, point.z, rtol=1e-12)
         assert found.normal_form["criticality"] == point.normal_form["criticality"]
+
+
+def test_a_cycle_is_found_from_its_point_at_the_origin_whose_image_there_is_rounding():
+    """A clock 0 -> 1/3 -> 2/3 -> 0 that turns (x, y) with it: f^3(0) is of the size 1e-16, which is no state's size."""
+    model = contin.Model(
+        "clock", kind="map", states={"x": 0, "y": 0, "z": 0}, parameters={"r": 0.4},
+        definitions={"u": "(1 + r)*(x - 0.3*z)", "v": "0.5*(y + 0.7*z)", "w": "1/3 + z - 4.5*z*(z - 1/3)"},
+        equations={"x": "0.6*u - 0.8*v + 0.3*w", "y": "0.8*u + 0.6*v - 0.7*w", "z": "w"},
+    )  # fmt: skip
+    start = contin.equilibrium(model, {"x": 0, "y": 0, "z": 0}, period=3)
+    sizes = natural_metric(start.system, np.zeros(3), start.p).states
+    assert np.max(np.abs(start.u)) < 1e-14
+    np.testing.assert_allclose(sizes, [0.2, 1.4 / 3.0, 2.0 / 3.0], rtol=1e-12)
