@@ -14,7 +14,6 @@ from contin.offers import offers
 JUMPING: Final = frozenset({"floor", "ceil", "mod"})
 
 
-
 def need_model(model: Any) -> None:
     """Raises InputError where a verb that takes a model gets its name, its file, a bare function or a result."""
     kind: type = type(model)

@@ -92,7 +92,7 @@ def test_points_that_the_iterate_cannot_place_are_found_in_all_points_of_the_cyc
         assert found.normal_form["criticality"] == point.normal_form["criticality"]
 
 
-def test_a_cycle_is_found_from_its_point_at_the_origin_whose_image_there_is_rounding():
+def test_states_that_are_zero_at_one_point_of_a_cycle_have_their_sizes_at_the_others():
     """A clock 0 -> 1/3 -> 2/3 -> 0 that turns (x, y) with it: f^3(0) is of the size 1e-16, which is no state's size."""
     model = contin.Model(
         "clock", kind="map", states={"x": 0, "y": 0, "z": 0}, parameters={"r": 0.4},
