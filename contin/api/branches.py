@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contin import lazy
-from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, extrema_of, placed, targets_of
+from contin.api.seeds import FoundByItself, Range, extrema_of, placed, targets_of
 from contin.continuation.branch import Branch, End
 from contin.continuation.departure import depart
 from contin.continuation.journal import Journal
@@ -85,8 +85,8 @@ def continuation(
 
 
 def walk(
-    start: object,
-    parameter: str,
+    start: Any,
+    parameter: str | Sequence[str],
     range: Range | None = None,
     *,
     direction: str = "up",
@@ -95,13 +95,13 @@ def walk(
 ) -> Iterator[Fields]:
     """The points of one arm as they are computed: mappings of columns, with `label` (a type such as 'LP', or None).
 
-    The start is not repeated. Computing goes chunk by chunk, a little ahead of what is taken; stop whenever you like.
+    As `continuation`, along curves in two parameters too. The start is not repeated. Computing goes chunk by chunk, a
+    little ahead of what is taken; stop whenever you like.
     """
     if direction not in ("up", "down"):
         raise InputError(f"a walk goes one way: direction must be 'up' or 'down'; got {direction!r}")
-    seed = as_seed(start, parameter)
-    problem = seed.problem
-    departure = depart(seed, bounds_of(problem, parameter, range), Settings.of(settings))
+    seed, bounds = placed(start, parameter, range)
+    departure = depart(seed, bounds, Settings.of(settings))
     seed, problem = departure.seed, departure.seed.problem
     ready = departure.arm(1 if direction == "up" else -1, targets_of(seed, values))
     if isinstance(ready, End):

@@ -174,6 +174,17 @@ def test_walk_yields_the_rows_of_one_arm_after_the_start():
     assert [p["label"] for p in points if p["label"]] == ["LP"]
 
 
+def test_walk_goes_along_curves_in_two_parameters():
+    model = contin.Model("m", states={"x": 1.0}, parameters={"p": 1.0, "q": 1.0}, equations={"x": "p + q*x - x^3"})
+    folds = contin.continuation(contin.equilibrium(model), "p", (-2.0, 2.0))["LP1"].locus()
+    ranges = {"p": (-2.0, 2.0), "q": (-1.0, 2.0)}
+    arms = [list(contin.walk(folds, ("p", "q"), ranges, direction=way)) for way in ("up", "down")]
+    for points in arms:
+        assert len(points) > 5
+        assert [4.0 * p["q"] ** 3 for p in points] == pytest.approx([27.0 * p["p"] ** 2 for p in points], abs=1e-8)
+    assert ["CP"] in [[p["label"] for p in points if p["label"]] for points in arms]
+
+
 @pytest.mark.parametrize("offset", [1e2, 1e4, 1e6])
 def test_states_far_from_zero_are_measured_by_how_they_change(offset):
     """p = (x - X)^2: the same fold wherever the origin of x lies, in about as many steps."""

@@ -7,7 +7,8 @@ NS    5 - 8     k - 1, k + 1, k + 1/2, k: zero at R1, R2, R3, R4
 PD 5, NS 9      not known here (NaN): the coefficient of the normal form
 
 Next to a resonance (R1 of LPC, R2 of PD) the multiplier beside the critical one is known to rounding / its distance
-from it, their sum to rounding: it is their sum less what the critical one is.
+from it, their sum to rounding: it is their sum less what the critical one is. Farther away that would bring the error
+of the critical one, which is large along canards, to one that vanishes.
 """
 
 import math
@@ -15,6 +16,8 @@ import math
 from contin.kernels.compile import kernel
 from contin.kernels.special_orbits.memory import LPC, NS, PD
 from contin.kernels.tests_of_stability import map_tests
+
+BESIDE = 0.5  # distance from the critical multiplier up to which another one is next to it
 
 
 @kernel("i, f1, f1, f, f, f1, f1, f1, f1 -> i")
@@ -38,7 +41,8 @@ def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
     beside = -1
     if kind != NS and re.size > 1:
         beside = nearest(kind, re, im, k, 1.0, first)
-        if im[beside] != 0.0 and im[beside] != -im[first]:
+        apart = math.hypot(re[beside] - (-1.0 if kind == PD else 1.0), im[beside])
+        if apart > BESIDE or (im[beside] != 0.0 and im[beside] != -im[first]):
             beside = -1
     left = 0
     for i in range(re.size):
@@ -78,7 +82,10 @@ def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
 
 @kernel("i, f1, f1, f, f, i -> i")
 def nearest(kind, re, im, k, sense, excluded):
-    """Index of the multiplier nearest to the critical one: 1, -1, or of NS a root of m^2 - 2 k m + 1 = 0."""
+    """Index of the multiplier nearest to the critical one c: 1, -1, or of NS a root of m^2 - 2 k m + 1 = 0.
+
+    By |m - c|^2 / |m|, which grows with |log m/c|: of one that vanishes and one that is 3 for 1, the latter is it.
+    """
     x = 1.0
     y = 0.0
     if kind == PD:
@@ -90,7 +97,8 @@ def nearest(kind, re, im, k, sense, excluded):
     found = -1
     least = math.inf
     for i in range(re.size):
-        distance = math.hypot(re[i] - x, im[i] - y)
+        size = math.hypot(re[i], im[i])
+        distance = ((re[i] - x) ** 2 + (im[i] - y) ** 2) / size if size > 0.0 else math.inf
         if i != excluded and (found < 0 or distance < least):
             found = i
             least = distance

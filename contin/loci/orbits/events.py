@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
+PLACED: Final = 1e-2  # (scaled) an estimated error above this locates nothing
 SOME: Final = "cycles with algebraic states, or on curves of BPC or of touching orbits"
 ALONG: Final = 10.0  # a point on a curve moves along it, too, when the equations change: no more than that is presumed
 
@@ -106,6 +107,8 @@ def located(
     moved = float(np.abs(finer[1].z[[-1, -2]] - found.z[[-1, -2]]).max())
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     error += ALONG * problem.error_of_equations(found.z, frame.scale)
+    if not error <= PLACED * float(frame.scale[-1]):
+        return unverified(type_, f"its place is known to {error:.1e} only")
     return Verified(type_, found.z, zero.value, error, found.eigenvalues, _unstable(problem, type_, found)), finer
 
 

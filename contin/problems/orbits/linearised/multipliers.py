@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.kernels.special_orbits.tests import BESIDE
 from contin.machine import elementary
 
 if TYPE_CHECKING:
@@ -44,25 +45,33 @@ def distance(values: Multipliers, targets: Sequence[complex]) -> float:
     return float(max(np.min(np.abs(values - target), initial=np.inf) for target in targets))
 
 
+def _apart(values: Multipliers, target: complex) -> NDArray[np.float64]:
+    """How far each is from a target, in an order that is that of |log values/target|: multipliers may vanish."""
+    sizes = np.abs(values)
+    squares = np.square((values - target).real) + np.square((values - target).imag)
+    return np.divide(squares, sizes, out=np.full(len(values), np.inf), where=sizes > 0.0)
+
+
 def without(values: Multipliers, targets: Sequence[complex]) -> Multipliers:
     """Without the multiplier nearest to each of the targets."""
     left = list(values)
     for target in targets:
         if left:
-            left.pop(int(np.argmin([abs(value - target) for value in left])))
+            left.pop(int(np.argmin(_apart(np.array(left), target))))
     return np.array(left, complex)
 
 
 def without_critical(values: Multipliers, critical: float) -> Multipliers:
     """Without the one that is `critical` (1 or -1) along a curve.
 
-    The nearest of the rest is known to rounding / its distance from that, their sum to rounding: where both are real or
-    a pair it is their sum less `critical`, which is smooth where they meet (R1, R2).
+    One next to it is known to rounding / its distance from that, their sum to rounding: where both are real or a pair
+    it is their sum less `critical`, which is smooth where they meet (R1, R2).
     """
     if not len(values):
         return values
-    order = np.argsort(np.abs(values - critical))
+    order = np.argsort(_apart(values, critical))
     left = values[order[1:]]
-    if len(left) and left[0].imag in (0.0, -values[order[0]].imag):
+    near = len(left) and abs(left[0] - critical) <= BESIDE
+    if near and left[0].imag in (0.0, -values[order[0]].imag):
         left[0] = (values[order[0]] + left[0]).real - critical
     return left
