@@ -49,7 +49,9 @@ def _apart(values: Multipliers, target: complex) -> NDArray[np.float64]:
     """How far each is from a target, in an order that is that of |log values/target|: multipliers may vanish."""
     sizes = np.abs(values)
     squares = np.square((values - target).real) + np.square((values - target).imag)
-    return np.divide(squares, sizes, out=np.full(len(values), np.inf), where=sizes > 0.0)
+    far: NDArray[np.float64] = np.full(len(values), np.inf)
+    np.divide(squares, sizes, out=far, where=sizes > 0.0)
+    return far
 
 
 def without(values: Multipliers, targets: Sequence[complex]) -> Multipliers:
