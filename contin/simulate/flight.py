@@ -16,6 +16,7 @@ from contin.kernels.piecewise import flight as kernel
 from contin.kernels.piecewise.flow import Flow, new_memory
 from contin.model.evaluate import evaluate
 from contin.simulate.chunks import CHUNK, Integrated, in_chunks, own_parameters
+from contin.simulate.named import name_of_state
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section, plane_of
 
@@ -219,7 +220,7 @@ def _ended(
     n = system.n
     if status == kernel.ESCAPED:
         k = int(np.argmax(np.abs(y[:n]) / box))
-        return ESCAPED, f"left the box at t = {t:.6g}: |{system.state_names[k]}| exceeds {box[k]:.6g}"
+        return ESCAPED, f"left the box at t = {t:.6g}: |{name_of_state(system, k)}| exceeds {box[k]:.6g}"
     if status == kernel.SLIDING:
         surface = system.pieces.name(int(counts[6]))
         return SLIDING, (

@@ -23,6 +23,7 @@ from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.simulate.beyond_slopes import lengths_beyond_slopes
+from contin.simulate.named import name_of_state
 from contin.systems.iterate import sizes_along
 
 if TYPE_CHECKING:
@@ -92,8 +93,8 @@ def natural_metric(system: System, u: Array, p: Array, seen: Array | None = None
         time = 1.0
     elif not time > 0.0 and f.any():
         time = float(np.min(size[f != 0.0] / np.abs(f[f != 0.0])))
-    names = system.state_names or tuple(f"u{k}" for k in range(n))
-    return Metric(size, time if time > 0.0 else 1.0, tuple(names[k] for k in np.flatnonzero(guessed)))
+    named = tuple(name_of_state(system, int(k)) for k in np.flatnonzero(guessed))
+    return Metric(size, time if time > 0.0 else 1.0, named)
 
 
 def absolute_tolerances(

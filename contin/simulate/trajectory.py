@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.errors import NotFiniteError
 from contin.kernels import runge_kutta as kernel
 from contin.simulate.flight import check_flight, fly
+from contin.simulate.named import name_of_state
 from contin.simulate.natural import SMALLER, above_rounding, absolute_tolerances, with_variations
 from contin.simulate.section import Section, plane_of
 
@@ -105,7 +106,7 @@ def integrate(
 def _largest(system: CompiledSystem, u: Array) -> str:
     """The state of largest modulus and its value."""
     k = int(np.argmax(np.abs(u)))
-    return f"{system.state_names[k]} = {u[k]:.3g}"
+    return f"{name_of_state(system, k)} = {u[k]:.3g}"
 
 
 def _in_pieces(system: CompiledSystem, u: Array, p: Array, duration: float, **options: Any) -> Trajectory:

@@ -6,6 +6,7 @@ import pytest
 import contin
 from contin.errors import InputError
 from contin.model.model import Model
+from contin.simulate.flight import fly
 from contin.simulate.steady import Criterion
 
 CUSP = Model("cusp", states={"x": -2}, parameters={"p": 0}, equations={"x": "p + 3*x - x^3"})
@@ -42,6 +43,21 @@ def test_a_run_that_escapes_is_recorded():
     found = contin.sweep(model, "p", (0.0, 3.0), steps=3, start={"x": -1}, down=False, criterion=Criterion(20.0))
     assert found.outcomes[0] == "settled"
     assert found.outcomes[-1] in ("escaped", "stopped")
+
+
+@pytest.mark.parametrize(("states", "name"), [(None, "u0"), (("x", "y"), "x")])
+def test_a_run_of_a_function_that_escapes_names_the_state(states, name):
+    """x' = a + x^2 has the stable state -sqrt(-a) up to its fold at a = 0, and none beyond: with a = 1 it is tan t."""
+    given = contin.FunctionProblem(
+        lambda u, p: np.array([p["a"] + u[0] ** 2, -u[1]]), [-1.0, 0.0], {"a": -1.0}, states=states
+    )
+    found = contin.sweep(given, "a", (-1.0, 1.0), steps=1, down=False, criterion=Criterion(5.0))
+    assert found.outcomes[0] == "settled"
+    assert found.outcomes[-1] == "escaped"
+    flight = fly(given.measured().in_kernels, np.zeros(2), np.array([1.0]), 2.0, box=1e6)
+    assert flight.outcome == "escaped"
+    assert f"|{name}| exceeds 1e+06" in flight.why
+    assert flight.end_time == pytest.approx(np.pi / 2, abs=2e-6)
 
 
 def test_bad_ranges_and_names_are_refused():

@@ -81,6 +81,7 @@ class FunctionProblem(GivenFunction):
         for kept in ("in_kernels", "observables"):
             measured.__dict__.pop(kept, None)
         measured.record, measured.state_names = self._measure, ()
+        measured.measured_names = self.state_names
         return measured
 
     def _measure(self, u: Array, values: Any) -> dict[str, float]:

@@ -59,6 +59,7 @@ class GivenFunction:
     starts: tuple[Start, ...] = ()
     uses_time = False
     averaging = None
+    measured_names: tuple[str, ...] = ()  # of states whose columns are those of the record, see `measured`
     # what only formulas have: none here
     functions: Mapping[str, str] = {}
     labels: Mapping[str, str] = {}
