@@ -95,13 +95,16 @@ class CentreManifold:
         if v not in self._h:
             multiplier = self._multiplier(v)
             shift = multiplier if self._dtype is complex else multiplier.real
-            matrix = self.jet.A - shift * (np.eye(self.jet.n) if self._mass is None else self._mass)
-            resonant = list(self._normal(v))
-            borders = self._borders(resonant) if resonant else (None, None)
-            self._h[v], growth = solve_with_growth(matrix, -self._inhomogeneity(v), *borders)
-            if growth > NEAR and unit is None:
-                self._off[v] = off_beside_pole(self.jet, matrix, borders, self._direction(v), self.drift)
+            self._solve(v, shift, list(self._normal(v)))
         return self._h[v]
+
+    def _solve(self, v: Index, shift: complex, resonant: list[int]) -> None:
+        """h_v of (A - shift M) h = S_v - R_v, bordered where pairs are resonant."""
+        matrix = self.jet.A - shift * (np.eye(self.jet.n) if self._mass is None else self._mass)
+        borders = self._borders(resonant) if resonant else (None, None)
+        self._h[v], growth = solve_with_growth(matrix, -self._inhomogeneity(v), *borders)
+        if growth > NEAR and self._unit(v) is None:
+            self._off[v] = off_beside_pole(self.jet, matrix, borders, self._direction(v), self.drift)
 
     def _borders(self, resonant: list[int]) -> tuple[Vector, Vector]:
         """M q_j and M^T p_j as columns."""

@@ -139,8 +139,12 @@ def generalised_hopf(jet: Jet, omega: float | None = None) -> NormalForm:
     Kuznetsov (1999), sec. 3.3; needs forms up to order 5. l2 < 0: the outer of the two cycles is the stable one.
     """
     manifold = hopf_manifold(jet, omega)
+    return generalised_hopf_on(manifold, TRUST * manifold.magnitude((3, 2), 0))
+
+
+def generalised_hopf_on(manifold: CentreManifold, error: float) -> NormalForm:
+    """The same of a manifold in (w, conj w), l2 with this error."""
     c1, c2 = manifold.g((2, 1), 0), manifold.g((3, 2), 0)
-    error = TRUST * manifold.magnitude((3, 2), 0)
     l2 = c2.real
     outer = {"supercritical": "stable", "subcritical": "unstable"}.get(sense(l2, error))
     words = "generalised Hopf point (Bautin)" + (

@@ -1,7 +1,7 @@
 """Normal forms of points of codimension two of large systems.
 
 CP and BT from bordered solves, at any size. The others need forms of higher order and many solves: they are computed
-with the dense methods where the system is small enough for that.
+with the dense methods where the system is small enough for that, else GH with sparse factors (`large_forms`).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from contin.continuation.outcome import Verified
 from contin.linalg.linear import Linear, moving
 from contin.linalg.vectors import norm
 from contin.loci.codim2.zero_hopf_crossing import EXACT
+from contin.loci.sparse.large_forms import DENSE, large_form
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.point import normal_form as dense_form
@@ -28,8 +29,6 @@ from contin.records import Fields
 if TYPE_CHECKING:
     from contin.loci.sparse.on_large_curve import OnLargeCurve
     from contin.systems.functions.function_system import FunctionSystem
-
-DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
 
 def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widths: Array) -> Verified:
@@ -46,8 +45,7 @@ def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widt
         elif problem.n <= DENSE:
             form = _dense(problem, point.type, point.z, known, widths)
         else:
-            remark = f"{point.type}: its normal form is not computed beyond {DENSE} unknowns"
-            return replace(point, vectors=known, remark=remark)
+            form = large_form(problem, point.type, point.z, known)
     except NO_FORM as reason:
         remark = f"{point.type}: its normal form could not be computed ({reason})"
         return replace(point, vectors=known, remark=remark)

@@ -152,6 +152,11 @@ class Derivatives:
     def __call__(self, *directions: Vector) -> Vector:
         return self._known(self.problem.form(self.z, *directions, system=self.system))
 
+    def in_all(self, *directions: Vector) -> Vector:
+        """The same along directions in the states and all parameters, (n + m,); of first order, too."""
+        system, problem, z = self.system or self.problem.system, self.problem, self.z
+        return self._known(system.derivative(z[:-1], problem.full_parameters(z), *directions))
+
     def functional(self, left: Callable[[Vector], Any], v: Vector) -> float:
         """left(D^2F(z)[v, v]) of a linear functional."""
         found, terms = self.problem.functional(left, self.z, v, 2, self.system or self.problem.system)
