@@ -1,9 +1,12 @@
 """Points of codimension two of maps at which borders or coefficients have poles, and what is said of them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import contin
+from contin.loci.codim2.uncomputed_tests import remarks, untold
 
 
 def test_a_point_far_from_where_borders_were_chosen_is_solved_with_its_own():
@@ -21,7 +24,7 @@ def test_a_point_far_from_where_borders_were_chosen_is_solved_with_its_own():
     assert found.notes == ()
 
 
-def test_a_row_on_a_labelled_pole_is_no_test_that_could_not_be_computed():
+def test_a_step_that_lands_on_a_labelled_pole_leaves_no_note():
     """A stage-structured population: c of period doublings has a pole at R2, whose label says so."""
     equations = {"x": "(f*y + g*z)*exp(-0.3*(x + y + z))", "y": "s*x", "z": "s*y"}
     model = contin.Model("stages", kind="map", states={"x": 0.5, "y": 0.5, "z": 0.2},
@@ -35,3 +38,12 @@ def test_a_row_on_a_labelled_pole_is_no_test_that_could_not_be_computed():
     assert doublings.notes == ()
     multipliers = np.abs(doublings["R21"].eigenvalues + 1.0)
     assert sorted(multipliers)[1] < 1e-6
+
+
+def test_a_row_without_its_test_is_told():
+    """Its sign is missing on both sides: zeros there are not found."""
+    problem = SimpleNamespace(memory={})
+    rows = np.array([[0.0, 1.0], [0.5, 1.5], [1.0, 2.0]])
+    assert untold(problem, "GPD", rows[1], ValueError("a pole")) == 0.0
+    assert [note[:42] for note in remarks(problem, rows)] == ["the test of GPD could not be computed at 1"]
+    assert remarks(problem, rows[[0, 2]]) == []
