@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 from collections.abc import Callable
 from importlib import import_module
 from types import ModuleType
@@ -39,11 +40,15 @@ def work(name: str) -> Callable[..., int]:
 
 
 def imported(module: str) -> ModuleType:
-    """A module with many others behind it, imported without looking for garbage meanwhile: all of it stays."""
+    """A module with many others behind it, imported without looking for garbage meanwhile, nor in it later on: all of
+    it stays."""
+    if module in sys.modules:
+        return sys.modules[module]
     collects = gc.isenabled()
     gc.disable()
     try:
         return import_module(module)
     finally:
+        gc.freeze()
         if collects:
             gc.enable()

@@ -22,6 +22,7 @@ from contin.plot.write import write_picture
 from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
 from contin.store import digest, json_format, sqlite
+from contin.store.atomic import write_bytes
 from contin.store.json_format import escaped
 from contin.store.places import refuse_foreign, same_file
 from contin.store.solutions import Solutions
@@ -29,6 +30,7 @@ from contin.store.solutions import Solutions
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from contin.cli.drawer import Drawer
     from contin.runs.plans import Plan
 
 DONE, CUT_SHORT = 0, 1  # exit codes
@@ -130,10 +132,10 @@ def _told(tell: Callable[[], object]) -> None:
 
 def outputs_of(
     plan: Plan, document: Record, json: str | None, solutions: Solutions | None = None,
-    rows: Mapping[str, Fields] | None = None,
-) -> list[Output]:
-    """Every file that the run file and the command line ask for."""
-    outputs = [Output(kind, partial(_write, plan, kind, document, solutions, rows)) for kind in plan.outputs]
+    rows: Mapping[str, Fields] | None = None, drawer: Drawer | None = None,
+) -> list[Output]:  # fmt: skip
+    """Every file that the run file and the command line ask for; a `drawer` has begun the picture."""
+    outputs = [Output(kind, partial(_write, plan, kind, document, solutions, rows, drawer)) for kind in plan.outputs]
     if json is not None:
         outputs.append(Output("json", partial(_write_json, document, json)))
     if plan.simulations or plan.sweep:
@@ -164,8 +166,9 @@ def _write_json(document: Record, json: str) -> None:
 
 
 def _write(
-    plan: Plan, kind: str, document: Record, solutions: Solutions | None, rows: Mapping[str, Fields] | None
-) -> str:
+    plan: Plan, kind: str, document: Record, solutions: Solutions | None, rows: Mapping[str, Fields] | None,
+    drawer: Drawer | None,
+) -> str:  # fmt: skip
     """One of the run file's `outputs`."""
     path = plan.outputs[kind]
     make_folder(path)
@@ -175,9 +178,13 @@ def _write(
         elif not document["branches"]:
             return f"{path.name} is not drawn: there is no branch"
         else:
-            if kind == "plot":
-                load_matplotlib()
-            write_picture(document, path, Look.of(plan.look), rows)
+            drawn = drawer.picture() if kind == "plot" and drawer is not None else None
+            if drawn is not None:
+                write_bytes(path, drawn)
+            else:
+                if kind == "plot":
+                    load_matplotlib()
+                write_picture(document, path, Look.of(plan.look), rows)
     elif kind == "save":
         sqlite.save(document, path, provenance(plan), solutions)
     else:

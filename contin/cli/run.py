@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from contin import lazy
+from contin.cli.commands import imported
+from contin.cli.drawer import drawer_of
 from contin.cli.interrupt import check, hold
 from contin.cli.look_options import written_look
 from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_on, writable, write_all
@@ -175,9 +177,12 @@ def carry_out(
     keeper = open_keeper(plan, json, resume)
     saved = False
     try:
-        document, complete, solutions, rows = compute(plan, orbits, errors, began, keeper, told)
-        tell = None if quiet else lambda: report_on(document, report)
-        written = write_all(outputs_of(plan, document, json, solutions, rows), report, tell)
+        with drawer_of(plan) as drawer:
+            document, complete, solutions, rows = compute(plan, orbits, errors, began, keeper, told)
+            if drawer is not None and document["branches"]:
+                drawer.begin(document)
+            tell = None if quiet else lambda: report_on(document, report)
+            written = write_all(outputs_of(plan, document, json, solutions, rows, drawer), report, tell)
         saved = ("save" if "save" in plan.outputs else "json") in written.kinds
     except KeyboardInterrupt:
         if keeper is not None:
@@ -222,8 +227,9 @@ def compute(
     """The result document, whether every requested branch is whole, and what stores and pages keep beside it."""
     status, stood = Status(errors), CLOCK.stood
     engine = ContinEngine(status.watch, Told(keeper, status.done) if told else keeper)
+    imported("contin.api.branches")
     engine.load()
-    imported = time.perf_counter()
+    at_hand = time.perf_counter()
     engine.prepare(plan.model)
     lowered = time.perf_counter()
     with telling(status.making), status:
@@ -241,8 +247,8 @@ def compute(
         keeper.rest()
         notes += [*getattr(keeper, "notes", ()), *([keeper.trouble] if keeper.trouble else [])]
     timing = {
-        "import": imported - began,
-        "lower": lowered - imported,
+        "import": at_hand - began,
+        "lower": lowered - at_hand,
         "kernels": CLOCK.stood - stood,
         "total": ended - began,
     }
