@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contin.normalforms.homological import CentreManifold
@@ -41,11 +43,16 @@ def hopf_hopf(jet: Jet, omegas: tuple[float, float] | None = None) -> NormalForm
     form, and `case` says no more.
     """
     manifold = hopf_hopf_manifold(jet, omegas)
-    g, size = manifold.g, manifold.magnitude
+    size = manifold.magnitude
+    return hopf_hopf_on(manifold, {"p11": TRUST * size((2, 1, 0, 0), 0), "p22": TRUST * size((0, 0, 2, 1), 2)})
+
+
+def hopf_hopf_on(manifold: CentreManifold, errors: Mapping[str, float]) -> NormalForm:
+    """`hopf_hopf` of a manifold in (w1, conj w1, w2, conj w2), whose p11 and p22 have these errors."""
+    g = manifold.g
     G2100, G1011 = 2.0 * g((2, 1, 0, 0), 0), g((1, 0, 1, 1), 0)
     G1110, G0021 = g((1, 1, 1, 0), 2), 2.0 * g((0, 0, 2, 1), 2)
     p11, p12, p21, p22 = 0.5 * G2100.real, G1011.real, G1110.real, 0.5 * G0021.real
-    errors = {"p11": TRUST * size((2, 1, 0, 0), 0), "p22": TRUST * size((0, 0, 2, 1), 2)}
     omega1, omega2 = float(manifold.values[0].imag), float(manifold.values[2].imag)
     coefficients: dict[str, object] = {
         "omega1": omega1,

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
+from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Jet
 from contin.normalforms.result import NormalForm
-from contin.normalforms.zero_hopf import REFLECTED, zero_hopf, zero_hopf_manifold
+from contin.normalforms.zero_hopf import REFLECTED, quadratic_errors, zero_hopf_manifold, zero_hopf_on
 
 SMALL: Final = 1e-6  # of the products that cancel: a determinant below this has no sign
 
@@ -30,13 +31,21 @@ def zero_hopf_on_plane(
     beside the plane vanishes, and a curve of tori begins, where b e (b e - c d) < 0. Where G200 and G110
     vanish too, a reflection w0 -> -w0 is broken instead. `off`: by how much coefficients are off as the point is.
     """
-    form = zero_hopf(jet, omega)
+    manifold = zero_hopf_manifold(jet, omega)
+    return zero_hopf_on_plane_of(manifold, quadratic_errors(manifold), off)
+
+
+def zero_hopf_on_plane_of(
+    manifold: CentreManifold, errors: Mapping[str, float], off: Mapping[str, float] = MappingProxyType({})
+) -> NormalForm:
+    """The same of a manifold in (w0, w1, conj w1) and both parameters, whose G200, G011 and G110 have these errors."""
+    form = zero_hopf_on(manifold, errors)
     errors = {key: error + off.get(key, 0.0) for key, error in form.errors.items()}
     coefficients = {key: value for key, value in form.coefficients.items() if key not in ("s", "theta", "E")}
     if coefficients["case"] == REFLECTED:
         case = REFLECTED
     else:
-        b, c, d, e = amplitudes = _amplitudes(jet, omega)
+        b, c, d, e = amplitudes = _amplitudes(manifold)
         coefficients["amplitudes"] = dict(zip("bcde", amplitudes, strict=True))
         first, second = b * e, c * d
         case = "Hopf-transcritical (invariant plane): "
@@ -49,13 +58,13 @@ def zero_hopf_on_plane(
     return replace(form, coefficients=coefficients, errors=errors, said=f"zero-Hopf point, {case}")
 
 
-def _amplitudes(jet: Jet, omega: float | None) -> tuple[Any, ...]:
+def _amplitudes(manifold: CentreManifold) -> tuple[float, ...]:
     """b, c, d, e with w0 = 0 on the plane itself.
 
     The coordinate of the centre manifold is w = w0 + gamma R, for the plane may be curved. It shows in a term
     gamma (2 alpha - nu) R of w', linear in the parameters.
     """
-    g = zero_hopf_manifold(jet, omega).g
+    g = manifold.g
     units = ((1, 0), (0, 1))
     b, c = g((2, 0, 0), 0).real, g((1, 1, 1), 0).real
     d, e = g((1, 1, 0), 1).real, g((0, 2, 1), 1).real

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -35,16 +36,26 @@ def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError =
     errors (a reflection w0 -> -w0), `case` says Hopf-pitchfork and s, theta, E are left out.
     """
     manifold = zero_hopf_manifold(jet, omega)
-    g, q0, p0 = manifold.g, manifold.right[0].real, manifold.left[0].real
+    return zero_hopf_on(manifold, quadratic_errors(manifold, state_error))
+
+
+def quadratic_errors(manifold: CentreManifold, state_error: StateError = None) -> dict[str, float]:
+    """Estimated errors of G200, G011 and G110."""
+    jet, q0, p0 = manifold.jet, manifold.right[0].real, manifold.left[0].real
     q1, p1 = manifold.right[1], manifold.left[1]
-    G200, G011 = 2.0 * g((2, 0, 0), 0).real, g((0, 1, 1), 0).real
-    G300, G111 = 6.0 * g((3, 0, 0), 0).real, g((1, 1, 1), 0).real
-    G110, G210, G021 = g((1, 1, 0), 1), 2.0 * g((2, 1, 0), 1), 2.0 * g((0, 2, 1), 1)
-    errors = {
+    return {
         "G200": quadratic_error(jet, p0, q0, q0, state_error),
         "G011": quadratic_error(jet, p0, q1, q1.conj(), state_error),
         "G110": quadratic_error(jet, p1, q0, q1, state_error),
     }
+
+
+def zero_hopf_on(manifold: CentreManifold, errors: Mapping[str, float]) -> NormalForm:
+    """`zero_hopf` of a manifold in (w0, w1, conj w1), whose G200, G011 and G110 have these errors."""
+    g = manifold.g
+    G200, G011 = 2.0 * g((2, 0, 0), 0).real, g((0, 1, 1), 0).real
+    G300, G111 = 6.0 * g((3, 0, 0), 0).real, g((1, 1, 1), 0).real
+    G110, G210, G021 = g((1, 1, 0), 1), 2.0 * g((2, 1, 0), 1), 2.0 * g((0, 2, 1), 1)
     coefficients: dict[str, object] = {
         "omega": float(manifold.values[1].imag),
         "G200": G200,
@@ -67,7 +78,8 @@ def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError =
         torus = "a torus branches off the cycles" if s * theta < 0 else "no torus"
         case = f"s = {s}, theta {'>' if theta > 0 else '<'} 0: {torus}"
     coefficients["case"] = case
-    vectors = {"q0": q0, "p0": p0, "q": q1, "p": p1}
+    right, left = manifold.right, manifold.left
+    vectors = {"q0": right[0].real, "p0": left[0].real, "q": right[1], "p": left[1]}
     return NormalForm("ZH", coefficients, f"zero-Hopf point, {case}", vectors, errors)
 
 

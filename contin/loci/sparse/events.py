@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from contin.loci.sparse.on_large_curve import OnLargeCurve
 
 ROUNDED = 1e-9
+STEEP = 1e-2  # part of the arclength that the parameter changes by at least where its error tells that of the place
 
 
 def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
@@ -133,7 +134,7 @@ def _verified(problem: OnLargeCurve, type_: str, near: Sample, frame: Frame) -> 
         return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     if problem.curve.kappa(at.z) <= 0.0 and problem.locus == "HB":
         return NOTHING  # a neutral saddle
-    return _described(problem, type_, at.z, residual, error, frame.scale[-2:])
+    return _described(problem, type_, at.z, residual, error, frame, _drift(at.tangent, error, frame))
 
 
 def _measure(problem: OnLargeCurve, type_: str, near: Sample) -> Callable[[At], float] | Rejected:
@@ -211,13 +212,21 @@ def _takens_by_frequency(problem: OnLargeCurve, near: Sample, frame: Frame, refu
     own = problem.curve.gauge  # F_p is no border there, and <p, q0> = 0: these hold a part along q1
     assert own is not None
     locus = replace(locus, curve=locus.curve.gauged(replace(own, regular=own.c)))
-    there = _described(locus, "BT", z, max(found.at.residual, abs(found.left)), found.error, frame.scale[-2:])
+    there = _described(locus, "BT", z, max(found.at.residual, abs(found.left)), found.error, frame, np.zeros_like(z))
     return replace(there, z=np.concatenate([z[: problem.n], [0.0], z[-2:]]))
 
 
+def _drift(tangent: Array, error: float, frame: Frame) -> Array:
+    """By how much the unknowns may be off along the curve where the parameter is off by `error`."""
+    if not np.isfinite(error):
+        return np.zeros_like(tangent)  # that is told with the point
+    rate = max(abs(float(tangent[-1])), STEEP) * float(frame.scale[-1])
+    return tangent * frame.scale * (error / rate)
+
+
 def _described(
-    problem: OnLargeCurve, type_: str, z: Array, residual: float, error: float, widths: Array
-) -> Verified:
+    problem: OnLargeCurve, type_: str, z: Array, residual: float, error: float, frame: Frame, drift: Array
+) -> Verified:  # fmt: skip
     values, others, vectors = split(problem, z)
     rest = list(others)
     own = [k for k in range(len(values)) if k not in rest]
@@ -239,4 +248,5 @@ def _described(
     elif zeros:
         known["null"] = np.real(vectors[:, zeros[0]])
     unstable = int(np.sum(values[free].real > 0.0))
-    return forms.with_normal_form(problem, Verified(type_, z, residual, error, values, unstable), known, widths)
+    point = Verified(type_, z, residual, error, values, unstable)
+    return forms.with_normal_form(problem, point, known, frame.scale[-2:], drift)

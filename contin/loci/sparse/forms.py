@@ -1,7 +1,7 @@
 """Normal forms of points of codimension two of large systems.
 
-CP and BT from bordered solves, at any size. The others need forms of higher order and many solves: they are computed
-with the dense methods where the system is small enough for that, else GH with sparse factors (`large_forms`).
+CP and BT from bordered solves. The others need forms of higher order and many solves: they are computed with the dense
+methods where the system is small enough for that, else with sparse factors (`large_forms`).
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.outcome import Verified
 from contin.linalg.linear import Linear, moving
-from contin.linalg.vectors import norm
-from contin.loci.codim2.zero_hopf_crossing import EXACT
+from contin.loci.sparse.forced import is_forced
 from contin.loci.sparse.large_forms import DENSE, large_form
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.linear import null_pair
 from contin.normalforms.point import normal_form as dense_form
 from contin.normalforms.result import NO_FORM, NotThisTypeError
 from contin.problems.algebraic_states import UNIT
@@ -31,10 +31,12 @@ if TYPE_CHECKING:
     from contin.systems.functions.function_system import FunctionSystem
 
 
-def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widths: Array) -> Verified:
+def with_normal_form(
+    problem: OnLargeCurve, point: Verified, known: Fields, widths: Array, drift: Array
+) -> Verified:  # fmt: skip
     """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed.
 
-    widths : scales of the second and of the first parameter.
+    widths : scales of the second and of the first parameter.  drift : by how much the point's unknowns may be off.
     """
     vectors: Fields = {}
     try:
@@ -42,10 +44,10 @@ def with_normal_form(problem: OnLargeCurve, point: Verified, known: Fields, widt
             form = cusp(problem, point.z)
         elif point.type == "BT":
             form, vectors = takens(problem, point.z)
-        elif problem.n <= DENSE:
+        elif _by_dense_methods(problem, point):
             form = _dense(problem, point.type, point.z, known, widths)
         else:
-            form = large_form(problem, point.type, point.z, known)
+            form = large_form(problem, point.type, point.z, known, widths, drift)
     except NO_FORM as reason:
         remark = f"{point.type}: its normal form could not be computed ({reason})"
         return replace(point, vectors=known, remark=remark)
@@ -102,15 +104,22 @@ def takens(problem: OnLargeCurve, z: Array) -> tuple[Fields, Fields]:
     return {**found, **sign, "errors": errors}, {"null": q0, "generalised": q1}
 
 
+def _by_dense_methods(problem: OnLargeCurve, point: Verified) -> bool:
+    """Those do not know invariant planes of equations with a mass matrix."""
+    linear = problem.curve.linear_at(point.z)
+    planes = point.type == "ZH" and problem.locus == "HB"
+    return problem.n <= DENSE and (linear.mass is None or linear.matrix is None or not planes)
+
+
 def _dense(problem: OnLargeCurve, type_: str, z: Array, known: Fields, widths: Array) -> Fields:
     branch, point = problem.curve.branch(z)
     linear = problem.curve.linear_at(z)
     matrix = _entries(linear, problem.n)
     omegas = known["omegas"]
     frequency = max(omegas) if omegas and type_ != "HH" else None
-    if type_ == "ZH" and problem.locus == "HB" and _is_forced(problem, z, matrix, widths):
+    if type_ == "ZH" and problem.locus == "HB" and _on_plane(problem, z, matrix, widths):
         if linear.mass is not None:
-            raise NotThisTypeError("of equations with a mass matrix, on an invariant plane")
+            raise NotThisTypeError("with a mass matrix, on an invariant plane: it needs the Jacobian's entries")
         form = zero_hopf_on_plane(_in_both_parameters(problem, z, matrix), frequency)
     else:
 
@@ -138,16 +147,10 @@ def _weighed(jet: DerivativeJet, linear: Linear) -> DerivativeJet:
     return DerivativeJet(jet.A * units, derivative, 0, "flow", mass=linear.mass.toarray() * units, otherwise=others)
 
 
-def _is_forced(problem: OnLargeCurve, z: Array, matrix: Array, widths: Array) -> bool:
-    """True where neither parameter unfolds the vanishing eigenvalue, as on an invariant plane: psi . F_p = 0."""
-    curve = problem.curve
-    system, p = curve.origin.system, curve.full_parameters(z)
-    values, vectors = np.linalg.eig(matrix.T)
-    psi = vectors[:, int(np.argmin(np.abs(values)))].real
-    slopes = np.array([system.parameter_slope(z[: problem.n], p, k) for k in (curve.second, curve.first)])
-    slopes *= widths[:, None]
-    size = norm(psi) * max(norm(slopes.ravel()), norm(matrix.ravel()))
-    return bool(np.max(np.abs(slopes @ psi)) < EXACT * size)
+def _on_plane(problem: OnLargeCurve, z: Array, matrix: Array, widths: Array) -> bool:
+    linear = problem.curve.linear_at(z)
+    mass = None if linear.mass is None else linear.mass.toarray()
+    return is_forced(problem, z, linear, null_pair(matrix, mass=mass), widths)
 
 
 def _in_both_parameters(problem: OnLargeCurve, z: Array, matrix: Array) -> DerivativeJet:
