@@ -24,6 +24,7 @@ else:
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 if os.environ.get("CONTIN_TEST_NOISE"):
     from tests.noise import add_noise
@@ -37,6 +38,11 @@ if os.environ.get("CONTIN_TEST_UNWRITTEN"):
 
 settings.register_profile("contin", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("contin")
+
+if hasattr(providers, "_get_local_constants"):  # not of early versions
+    # reading the constants of every module that was imported before takes seconds, and makes other examples of a test
+    # that runs after others, or when a number is edited anywhere in contin
+    providers._get_local_constants = lambda: providers._local_constants
 
 gc.disable()  # collecting makes half a million objects and no garbage: a quarter of its time was spent looking for some
 

@@ -8,6 +8,7 @@ import pytest
 import contin
 from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
+from contin.symbolic.passes.arclength import with_arclength
 from contin.symbolic.passes.coordinates import change_coordinates
 from contin.symbolic.passes.corotating import corotate
 from contin.symbolic.passes.fix_parameters import fix_parameters
@@ -151,3 +152,13 @@ def test_passes_see_the_parameters_of_the_run():
     problems.raise_if_any()
     for r in (0.5, 1.5, 3.0):
         assert field(made, {"r": r})[0] == pytest.approx(-0.05 * r)
+
+
+@pytest.mark.parametrize("backward", [False, True])
+def test_arclength_grows_at_the_speed_of_the_orbit_in_either_sense_of_time(backward):
+    named = contin.Model("taken", states={"arclength": 1.0}, parameters={"a": 2.0}, equations={"arclength": "-a"})
+    assert with_arclength(named).state_names == ("arclength", "arclength_")
+    for x, y in ((0.4, -0.3), (-1.2, 0.7)):
+        f = field(HOPF, {"x": x, "y": y})
+        found = field(with_arclength(HOPF, backward), {"x": x, "y": y, "arclength": 3.0})
+        assert found == pytest.approx([*((-f) if backward else f), math.hypot(*f)], rel=1e-15)

@@ -9,17 +9,20 @@ close.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from contin.abi import Array
 from contin.errors import NotFiniteError
+from contin.lowering.system import compile_system
 from contin.machine import elementary
 from contin.problems.manifolds.eigenspace import Eigenspace
+from contin.simulate.flight import DONE, Flight, fly
+from contin.simulate.section import Section
+from contin.symbolic.passes.arclength import with_arclength
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -141,17 +144,24 @@ class Grower:
         s, t, u, whole = self._flown(start, self.lengths, angle)
         return Segment(angle, s, t, u, whole)
 
+    @cached_property
+    def flow(self) -> CompiledSystem:
+        """The flow, in the sense of time in which the manifold grows, with the arclength as a last state."""
+        return compile_system(with_arclength(self.system.computable, self.backward), regular=True)
+
+    def _flight(self, y: Array, duration: float, atol: float, angle: float, **wanted: Any) -> Flight:
+        """Of states with their arclength, (n + 1,)."""
+        found = fly(self.flow, y, self.p, duration, rtol=RTOL, atol=atol, **wanted)
+        if found.outcome != DONE or not np.all(np.isfinite(found.end)):
+            raise NotFiniteError(
+                f"manifold: the orbit at angle {angle:.6g} leaves the equations' domain, or is too stiff; ask for a "
+                f"shorter length ({found.why})"
+            )
+        return found
+
     def _waited(self, start: Array, angle: float) -> Array:
-        sign = -1.0 if self.backward else 1.0
-
-        def rate(_: float, u: Array) -> Array:
-            return sign * np.asarray(self.system.value(u, self.p))
-
         atol = 1e-5 * RTOL * self.length
-        found = solve_ivp(rate, (0.0, self.source.wait), start, method="DOP853", rtol=RTOL, atol=atol)
-        if found.status < 0 or not np.all(np.isfinite(found.y)):
-            raise NotFiniteError(f"manifold: the orbit at angle {angle:.6g} leaves the equations' domain")
-        return np.asarray(found.y[:, -1])
+        return self._flight(np.append(start, 0.0), self.source.wait, atol, angle).end[:-1]
 
     def between(self, a: Segment, b: Segment) -> Segment:
         """An orbit between two whose starts are too near for rounding: it begins where they are `LINK` near.
@@ -169,36 +179,27 @@ class Grower:
 
     def _flown(self, start: Array, s: Array, angle: float) -> tuple[Array, Array, Array, bool]:
         """The orbit from a state at arclength s[0] on, at the lengths s; spread evenly where it ends before them."""
-        sign = -1.0 if self.backward else 1.0
+        y, longest, atol = np.append(start, s[0]), LONGEST / self.source.rate, 1e-3 * RTOL * self.length
+        reached = Section(np.eye(len(y))[-1], float(s[-1]))
+        steps: list[float] = []
+        found = self._flight(y, longest, atol, angle, section=reached, events=1, steps=steps)
+        whole = len(found.events) == 1
+        end = float(found.events[0, 0]) if whole else found.end_time
+        s = s if whole else np.linspace(s[0], found.end[-1], len(s))
 
-        def rate(_: float, y: Array) -> Array:
-            out = np.empty_like(y)
-            f = np.multiply(sign, self.system.value(y[:-1], self.p), out=out[:-1])
-            out[-1] = math.sqrt(np.dot(f, f))
-            return out
+        def at(times: Array) -> Array:
+            return self._flight(y, longest, atol, angle, section=reached, events=1, times=times).samples
 
-        def reached(_: float, y: Array) -> float:
-            return float(y[-1] - s[-1])
-
-        reached.terminal = True  # type: ignore[attr-defined]
-        found = solve_ivp(
-            rate, (0.0, LONGEST / self.source.rate), np.append(start, s[0]), method="DOP853", rtol=RTOL,
-            atol=1e-3 * RTOL * self.length, events=reached, dense_output=True,
-        )  # fmt: skip
-        if found.status < 0 or not np.all(np.isfinite(found.y)):
-            raise NotFiniteError(
-                f"manifold: the orbit at angle {angle:.6g} leaves the equations' domain, or is too stiff; ask for a "
-                "shorter length"
-            )
-        last, whole = float(found.y[-1, -1]), found.status == 1
-        s = s if whole else np.linspace(s[0], last, len(s))
-        fine = np.unique(np.concatenate([found.t, np.linspace(0.0, found.t[-1], 8 * self.samples)]))
-        t = np.interp(s, found.sol(fine)[-1], fine)
+        inside = np.array([0.0, *steps])
+        fine = np.unique(np.concatenate([inside[inside < end], np.linspace(0.0, end, 8 * self.samples)[:-1]]))
+        t = np.interp(s, np.append(at(fine)[:, -1], s[-1]), np.append(fine, end))
         for _ in range(3):  # Newton's method for the time at which the length is s
-            here = found.sol(t)
-            speed = np.linalg.norm(self.system.values(here[:-1].T.copy(), self.p), axis=1)
-            t = np.clip(t + (s - here[-1]) / np.maximum(speed, 1e-300), 0.0, found.t[-1])
-        return s, sign * t, found.sol(t)[:-1].T.copy(), whole
+            here = at(t[:-1])
+            speed = np.linalg.norm(self.system.values(here[:, :-1], self.p), axis=1)
+            t[:-1] = np.clip(t[:-1] + (s[:-1] - here[:, -1]) / np.maximum(speed, 1e-300), 0.0, end)
+            t = np.maximum.accumulate(t)
+        u = np.vstack([at(t[:-1]), found.events[0, 1:] if whole else found.end])[:, :-1]
+        return s, -t if self.backward else t, u, whole
 
 
 def curve(grower: Grower) -> list[Segment]:

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -128,7 +130,7 @@ class Lines:
         return float(derivative_on_circle(on_line, order, reach * self.wider, 1, taken)[0]), terms
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
-        """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, or one if all are equal."""
+        """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, fewer if some are equal."""
         k = len(directions)
         if k == 1:
             return self.first(u, p, directions[0])
@@ -137,11 +139,17 @@ class Lines:
             return np.zeros(len(u))
         if all(d is directions[0] or np.array_equal(d, directions[0]) for d in directions[1:]):
             return self.pure(u, p, directions[0], k)
-        units = [d * size for d, size in zip(directions, norms, strict=True)]  # comparable in size
-        total = np.zeros(len(u))
-        for signs in product((1.0, -1.0), repeat=k - 1):
-            v = units[0] + sum(s * d for s, d in zip(signs, units[1:], strict=True))
-            total += float(np.prod(signs)) * self.pure(u, p, np.asarray(v), k)
+        units: dict[bytes, Array] = {}  # comparable in size
+        counts: Counter[bytes] = Counter()
+        for direction, size in zip(directions, norms, strict=True):
+            unit = direction * size
+            key = unit.tobytes()
+            units[key] = unit
+            counts[key] += 1
+        total, own = np.zeros(len(u)), list(units.values())
+        for weight, multiples in polarised(tuple(counts.values())):
+            v = multiples[0] * own[0] + sum(c * d for c, d in zip(multiples[1:], own[1:], strict=True))
+            total += weight * self.pure(u, p, np.asarray(v), k)
         return total / (2.0 ** (k - 1) * math.factorial(k) * float(np.prod(norms)))
 
     def tensor(self, u: Array, p: Array, order: int) -> Array:
@@ -170,6 +178,22 @@ class Lines:
         size = np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
         largest = float(np.max(np.abs(v) / size))
         return 0.0 if largest == 0.0 else 1.0 / largest
+
+
+@cache
+def polarised(counts: tuple[int, ...]) -> tuple[tuple[float, tuple[float, ...]], ...]:
+    """Weights and multiples c with 2^(k-1) k! B[d1 .. d1, d2 .. d2, ...] = sum of weight * B[v, ..., v], v = sum c_i d_i.
+
+    counts : how often each direction occurs, k times altogether. The sum over all signs of the k directions, of which
+    those with the same v are one, v and -v too. (3, 2): 6 for 16.
+    """
+    found = []
+    for minus in product(*(range(count + 1) for count in counts)):
+        multiples = tuple(float(count - 2 * less) for count, less in zip(counts, minus, strict=True))
+        if next((c for c in multiples if c), -1.0) > 0.0:  # of v and -v one; not v = 0
+            ways = math.prod(math.comb(count, less) for count, less in zip(counts, minus, strict=True))
+            found.append(((-1.0) ** sum(minus) * ways, multiples))
+    return tuple(found)
 
 
 def is_analytic(function: Function, u: Array, p: Array, sizes: Array) -> bool:

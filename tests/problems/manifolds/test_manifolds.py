@@ -85,7 +85,6 @@ def test_curves_of_the_henon_map_are_invariant(side, length):
     assert np.mean(np.array(missed) < 1e-4 * length) > 0.8  # those beyond the curve's ends are not on it
 
 
-@pytest.mark.long
 def test_orbits_on_the_stable_manifold_of_lorenz_return_to_the_origin():
     """Where that takes less than 1.3: an error of 1e-9 grows by exp(11.8 t) beside them."""
     surface = contin.manifold(LORENZ, side="stable", length=20.0, spacing=8.0, samples=40)

@@ -1,5 +1,7 @@
 """Derivatives of user functions: complex circles lose almost nothing, stencils have their order."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,27 @@ def test_mixed_derivatives_by_polarisation():
     assert cubic.form(u, P, [e[0], e[1], e[2]])[0] == pytest.approx(1.0, abs=1e-11)  # d^3 (x y p)
     assert cubic.form(u, P, [e[0], e[2]])[0] == pytest.approx(u[1], abs=1e-12)
     assert cubic.form(u, P, [e[0], e[0]])[0] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("counts", "lines"), [((1, 1), 2), ((2, 1), 3), ((3, 1), 4), ((2, 2), 4), ((2, 1, 1), 6), ((3, 2), 6), ((4, 1), 5)]
+)
+def test_equal_directions_share_their_lines(counts, lines):
+    """D^k exp(w z)[d1, ..., dk] = exp(w z) times the product of w d; each line is asked on one circle of 9 points."""
+    asked = []
+
+    def wave(u, p):
+        asked.append(u)
+        return np.exp(0.3 * u[:1] - 0.5 * u[1:] + 0.2 * p)
+
+    u, directions = np.array([0.4, -1.3]), np.random.default_rng(5).normal(size=(len(counts), 3))
+    wanted = [d for d, count in zip(directions, counts, strict=True) for _ in range(count)]
+    value = Lines(lambda u, p: np.append(wave(u, p), 0.0), SIZES, True).form(u, P, wanted)[0]
+    along = np.prod([np.dot([0.3, -0.5, 0.2], d) for d in wanted])
+    order = len(wanted)
+    rounding = 1e-14 * math.factorial(order) / 0.1**order  # of circles of radius 0.1
+    assert value == pytest.approx(wave(u, P)[0] * along, rel=1e-9, abs=rounding)
+    assert len(asked) - 1 == 9 * lines
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
