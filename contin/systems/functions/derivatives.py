@@ -182,7 +182,7 @@ class Lines:
 
 @cache
 def polarised(counts: tuple[int, ...]) -> tuple[tuple[float, tuple[float, ...]], ...]:
-    """Weights and multiples c with 2^(k-1) k! B[d1 .. d1, d2 .. d2, ...] = sum of weight * B[v, ..., v], v = sum c_i d_i.
+    """Weights and multiples c with 2^(k-1) k! B[d1 .. d1, d2 .. d2, ...] = sum of weight B[v, ..., v], v = sum c_i d_i.
 
     counts : how often each direction occurs, k times altogether. The sum over all signs of the k directions, of which
     those with the same v are one, v and -v too. (3, 2): 6 for 16.
