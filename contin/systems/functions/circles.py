@@ -6,6 +6,9 @@ last coefficients tell of these: where they are not small beside the others (a p
 smaller. Where they are small and no smaller than those before them, they are rounding errors of the values (terms of
 another size cancel in them), of which a smaller circle makes more. So are components that do not change along the line
 but for rounding (constraints along directions that keep them).
+
+Where an unknown is far smaller than others (zero, but for rounding), circles of its size may lose all digits: larger
+ones are tried then (`tiny`).
 """
 
 from __future__ import annotations
@@ -16,9 +19,11 @@ from functools import cache
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.machine import elementary
+from contin.systems.functions import tiny
 
 RADIUS: Final = 0.1  # relative to the size of the unknowns
 POINTS: Final = 16
@@ -56,16 +61,16 @@ def coefficients(values: Sequence[Vector], order: int | None = None) -> Array:
 
 def derivative_on_circle(
     value: Callable[[complex], Vector], order: int, reach: float, size: int,
-    taken: Callable[[float], None] | None = None, changes: Callable[[], Vector] | None = None,
+    taken: Callable[[float], None] | None = None, changes: Callable[[], Vector] | None = None, room: float = 1.0,
 ) -> Array:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, (size,), real for real t; NaN where the circle is too small for numbers.
 
     reach : over which t the arguments change by their own sizes.  taken : told the radius from which some component is.
     changes : by how much components do where the arguments change by their sizes in a generic direction, (size,); asked
-    where the largest circle does not do.
+    where the largest circle does not do.  room : how many times larger ones may be (`tiny.room`).
     """
     upper, _ = nodes()
-    best, missing = np.full(size, np.nan), np.ones(size, dtype=bool)
+    best, missing, lost = np.full(size, np.nan), np.ones(size, dtype=bool), np.full(size, np.inf)
     tail = np.full(size, np.inf)
     for smaller in SMALLER:
         r = RADIUS * reach * smaller
@@ -73,17 +78,36 @@ def derivative_on_circle(
         if not power > TINY:
             break
         terms = coefficients([value(r * w) for w in upper])
-        found = terms[order] * (math.factorial(order) / power)
-        last, before, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms[BEFORE], terms))
-        ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
-        ratio[~np.isfinite(largest)] = np.inf  # a pole on the circle, or numbers too large
+        unit = math.factorial(order) / power
+        found = terms[order] * unit
+        last, before, largest, ratio = _sizes(terms)
         better = missing & ((ratio < FALLEN * tail) | ~np.isfinite(best))
         if taken is not None and better.any():
             taken(r)
         best, tail = np.where(better, found, best), np.where(better, ratio, tail)
-        missing = missing & ~((ratio <= CONVERGED) | ((ratio <= ROUNDED) & (last >= FLAT * before)))
+        lost = np.where(better, EPS * largest * unit, lost)
+        missing = missing & ~_converged(last, before, ratio)
         if missing.any() and changes is not None:
             missing = missing & ~(largest <= LOST * changes())
         if not missing.any():
             break
-    return best
+
+    def wider(times: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+        r = RADIUS * reach * times
+        terms, unit = coefficients([value(r * w) for w in upper]), math.factorial(order) / elementary.pow(r, order)
+        last, before, largest, ratio = _sizes(terms)
+        return terms[order] * unit, EPS * largest * unit, _converged(last, before, ratio)
+
+    return tiny.with_more_digits(best, lost, wider, room, lambda times: taken and taken(RADIUS * reach * times))
+
+
+def _sizes(terms: Array) -> tuple[Array, Array, Array, Array]:
+    """Of the last coefficients, of those before them, of all, and what part of these the last are."""
+    last, before, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms[BEFORE], terms))
+    ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)
+    ratio[~np.isfinite(largest)] = np.inf  # a pole on the circle, or numbers too large
+    return last, before, largest, ratio
+
+
+def _converged(last: Array, before: Array, ratio: Array) -> NDArray[np.bool_]:
+    return (ratio <= CONVERGED) | ((ratio <= ROUNDED) & (last >= FLAT * before))

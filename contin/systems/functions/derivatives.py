@@ -21,6 +21,7 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.machine import elementary
+from contin.systems.functions import tiny
 from contin.systems.functions.circles import coefficients, derivative_on_circle, nodes
 from contin.systems.functions.generic_change import GenericChange
 from contin.systems.functions.stencils import differentiated
@@ -83,6 +84,7 @@ class Lines:
         reach = self._reach(u, p, v)
         if reach == 0.0:
             return np.zeros(n)
+        room = self._room(u, p, v, reach)
         along, across, function = v[:n], v[n:], self.function
         if self.analytic:
 
@@ -90,14 +92,14 @@ class Lines:
                 return np.asarray(function(u + t * along, p + t * across))
 
             changes = lambda: self._change.at(self.first, self.sizes, u, p)  # noqa: E731
-            return derivative_on_circle(on_line, order, reach * self.wider, n, changes=changes)
+            return derivative_on_circle(on_line, order, reach * self.wider, n, changes=changes, room=room)
         if self.slope is not None and order > 1:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
-            return differentiated(ahead, order - 1, reach * self.wider, self.levels)
+            return differentiated(ahead, order - 1, reach * self.wider, self.levels, room=room)
         ahead = lambda t: function(u + t * along, p + t * across)  # noqa: E731
         off = 0.0 if self.grain is None else self.grain(u, p)
-        return differentiated(ahead, order, reach * self.wider, self.levels, off)
+        return differentiated(ahead, order, reach * self.wider, self.levels, off, room)
 
     def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
         """left(D^k F[v, ..., v]), k = `order`, of a linear functional."""
@@ -127,7 +129,8 @@ class Lines:
             nonlocal terms
             terms = coefficients(values, order) * (math.factorial(order) / elementary.pow(r, order))
 
-        return float(derivative_on_circle(on_line, order, reach * self.wider, 1, taken)[0]), terms
+        room = self._room(u, p, v, reach)
+        return float(derivative_on_circle(on_line, order, reach * self.wider, 1, taken, room=room)[0]), terms
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
         """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, fewer if some are equal."""
@@ -171,13 +174,21 @@ class Lines:
         n, reach = len(u), self._reach(u, p, v)
         if reach == 0.0:
             return np.zeros_like(matrix(u, p))
-        return differentiated(lambda t: matrix(u + t * v[:n], p + t * v[n:]), 1, reach * self.wider, self.levels)
+        room = self._room(u, p, v, reach)
+        ahead = lambda t: matrix(u + t * v[:n], p + t * v[n:])  # noqa: E731
+        return differentiated(ahead, 1, reach * self.wider, self.levels, room=room)
 
     def _reach(self, u: Array, p: Array, v: Array) -> float:
         """How far along v an unknown changes by its own size; 0 for v = 0."""
         size = np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
         largest = float(np.max(np.abs(v) / size))
         return 0.0 if largest == 0.0 else 1.0 / largest
+
+    def _room(self, u: Array, p: Array, v: Array, reach: float) -> float:
+        """How many times farther steps may go where states or parameters, those that move, are far apart in size."""
+        n, size = len(u), np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
+        moved = slice(None) if v[:n].any() and v[n:].any() else slice(n) if v[:n].any() else slice(n, None)
+        return 1.0 if self.levels else tiny.room(size[moved], v[moved], reach)
 
 
 @cache

@@ -14,9 +14,11 @@ from functools import cache
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.systems.functions import tiny
 
 STEPS: Final = {1: 2e-3, 2: 1e-2, 3: 2e-2, 4: 4e-2, 5: 6e-2}  # relative: rounding and truncation balance
 HALF_WIDTHS: Final = {1: 3, 2: 4, 3: 5, 4: 5, 5: 6}
@@ -42,38 +44,54 @@ def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...
 
 def differentiated(
     value: Callable[[float], Array], order: int, reach: float, levels: tuple[float, ...] = (),
-    grain: Array | float = 0.0,
+    grain: Array | float = 0.0, room: float = 1.0,
 ) -> Array:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, an array of any shape.
 
     reach : over which t the arguments change by their own sizes.  levels : how many times narrower steps are tried.
     grain : what values are off by at random (`grain.grain`): between steps of a rounded function two stencils agree by
-    chance, with nothing to see.
+    chance, with nothing to see.  room : how many times wider steps may be (`tiny.room`).
     """
-    outer, inner = stencil(order), stencil(order, 1 if order == 1 else HALF_WIDTHS[order] - 1)
-    close, some = (RESOLVED_SLOPE, np.inf) if order == 1 else (RESOLVED, NEARLY)
+    some = np.inf if order == 1 else NEARLY
     best: Array | None = None
     for narrower in levels or (FIRST if order == 1 else NARROWER):
-        h = STEPS[order] * reach * narrower
-        values = {k: np.asarray(value(k * h), dtype=float) for k, _ in outer}
-        scale = elementary.pow(h, order)
-        found, within = weighted(outer, values) / scale, weighted(inner, values) / scale
-        largest = np.max([np.abs(v) for v in values.values()], axis=0)
-        largest = largest.max() if order == 1 else largest
-        rounding = sum(abs(weight) for _, weight in inner) * (ROUNDING[order] * largest + grain) / scale
-        apart, size = np.abs(found - within), np.abs(found)
-        settled = apart <= close * size + rounding
+        found, apart, rounding, settled = _compared(value, order, reach * narrower, grain)
+        size = np.abs(found)
         here = apart if order == 1 else np.where(size > 0.0, apart / np.where(size > 0.0, size, 1.0), np.inf)
         if best is None:
-            best, gap, done = found, here, settled
+            best, gap, done, lost = found, here, settled, rounding
         else:
             better = ~done & (settled | (here < np.minimum(gap, some)) | ~np.isfinite(best))
             best, gap = np.where(better, found, best), np.where(better, here, gap)
+            lost = np.where(better, rounding, lost)
             done = done | settled
         if done.all():
             break
     assert best is not None
-    return best
+
+    def wider(times: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+        found, _, rounding, settled = _compared(value, order, reach * times, grain)
+        return found, rounding, settled
+
+    return tiny.with_more_digits(best, lost, wider, room)
+
+
+def _compared(
+    value: Callable[[float], Array], order: int, reach: float, grain: Array | float
+) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Of steps in proportion to `reach`: the derivative, how far two stencils are apart, what rounding makes of it, and
+    where they agree."""
+    outer, inner = stencil(order), stencil(order, 1 if order == 1 else HALF_WIDTHS[order] - 1)
+    h = STEPS[order] * reach
+    values = {k: np.asarray(value(k * h), dtype=float) for k, _ in outer}
+    scale = elementary.pow(h, order)
+    found, within = weighted(outer, values) / scale, weighted(inner, values) / scale
+    largest = np.max([np.abs(v) for v in values.values()], axis=0)
+    largest = largest.max() if order == 1 else largest
+    rounding = sum(abs(weight) for _, weight in inner) * (ROUNDING[order] * largest + grain) / scale
+    apart = np.abs(found - within)
+    settled = apart <= (RESOLVED_SLOPE if order == 1 else RESOLVED) * np.abs(found) + rounding
+    return found, apart, np.broadcast_to(rounding, found.shape), settled
 
 
 def weighted(rule: tuple[tuple[int, float], ...], values: Mapping[int, Array]) -> Array:
