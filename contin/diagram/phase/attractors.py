@@ -224,10 +224,13 @@ class _Trajectories:
             return seed
         profile = problem.profile(seed.z)
         s = np.linspace(0.0, 1.0, SAMPLES + 1)
-        size = max(length(np.ptp(profile.at(s), axis=0), self.sizes), 1e-300)
-        for times in range(ROUNDS, 1, -1):
-            gap = wrapped(profile.at((s + 1.0 / times) % 1.0) - profile.at(s), self.periods)
-            if length(gap, self.sizes) < ONE_ROUND * size:
+        here = profile.at(s)
+        allowed = ONE_ROUND * max(length(np.ptp(here, axis=0), self.sizes), 1e-300)
+        rounds = np.arange(ROUNDS, 1, -1)
+        first = wrapped(profile.at(1.0 / rounds) - here[0], self.periods)  # most are elsewhere there already
+        for times in rounds[[length(gap, self.sizes) < allowed for gap in first]].tolist():
+            gap = wrapped(profile.at((s + 1.0 / times) % 1.0) - here, self.periods)
+            if length(gap, self.sizes) < allowed:
                 states = profile.at(s / times)
                 t = s * profile.period / times
                 once = orbit_from_samples(problem.system, t, states, self.p, self.periods)
