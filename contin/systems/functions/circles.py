@@ -40,44 +40,50 @@ TINY: Final = float(np.finfo(float).tiny)
 
 
 @cache
-def nodes() -> tuple[tuple[complex, ...], Vector]:
-    """The upper half of the unit circle's nodes w (the lower is its conjugate), and weight w^-k of each for each k."""
+def nodes(whole: bool = False) -> tuple[tuple[complex, ...], Vector]:
+    """The upper half of the unit circle's nodes w (the lower is its conjugate), and weight w^-k of each for each k.
+
+    whole : of a function that is not real on the axis, all of them.
+    """
     half = POINTS // 2
-    upper = [elementary.exp(1j * np.pi * j / half) for j in range(half + 1)]
-    weights = [(1.0 if j in (0, half) else 2.0) / POINTS for j in range(half + 1)]
+    upper = [elementary.exp(1j * np.pi * j / half) for j in range(POINTS if whole else half + 1)]
+    weights = [(1.0 if j in (0, half) or whole else 2.0) / POINTS for j in range(len(upper))]
     turned = [[weight * w**-k for w, weight in zip(upper, weights, strict=True)] for k in range(POINTS)]
     return tuple(upper), np.array(turned)
 
 
-def coefficients(values: Sequence[Vector], order: int | None = None) -> Array:
+def coefficients(values: Sequence[Vector], order: int | None = None, whole: bool = False) -> Vector:
     """Taylor coefficients times r^order, of one order or of all (POINTS, n), of a function that is real on the axis.
 
-    values : at r times the upper nodes.
+    values : at r times the upper nodes, or (`whole`) at all of them, of a function that is not real there.
     """
-    _, turned = nodes()
+    _, turned = nodes(whole)
     rows = turned if order is None else turned[order]
-    return np.asarray((rows @ np.array(values, dtype=complex)).real)
+    found = rows @ np.array(values, dtype=complex)
+    return np.asarray(found if whole else found.real)
 
 
 def derivative_on_circle(
     value: Callable[[complex], Vector], order: int, reach: float, size: int,
     taken: Callable[[float], None] | None = None, changes: Callable[[], Vector] | None = None, room: float = 1.0,
-) -> Array:  # fmt: skip
-    """d^k/dt^k of value(t) at t = 0, (size,), real for real t; NaN where the circle is too small for numbers.
+    whole: bool = False,
+) -> Vector:  # fmt: skip
+    """d^k/dt^k of value(t) at t = 0, (size,), real for real t if not `whole`; NaN where the circle is too small for
+    numbers.
 
     reach : over which t the arguments change by their own sizes.  taken : told the radius from which some component is.
     changes : by how much components do where the arguments change by their sizes in a generic direction, (size,); asked
     where the largest circle does not do.  room : how many times larger ones may be (`tiny.room`).
     """
-    upper, _ = nodes()
-    best, missing, lost = np.full(size, np.nan), np.ones(size, dtype=bool), np.full(size, np.inf)
-    tail = np.full(size, np.inf)
+    upper, _ = nodes(whole)
+    best, missing = np.full(size, np.nan, complex if whole else float), np.ones(size, dtype=bool)
+    tail, lost = np.full(size, np.inf), np.full(size, np.inf)
     for smaller in SMALLER:
         r = RADIUS * reach * smaller
         power = elementary.pow(r, order)
         if not power > TINY:
             break
-        terms = coefficients([value(r * w) for w in upper])
+        terms = coefficients([value(r * w) for w in upper], whole=whole)
         unit = math.factorial(order) / power
         found = terms[order] * unit
         last, before, largest, ratio = _sizes(terms)
@@ -92,16 +98,17 @@ def derivative_on_circle(
         if not missing.any():
             break
 
-    def wider(times: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def wider(times: float) -> tuple[Vector, Array, NDArray[np.bool_]]:
         r = RADIUS * reach * times
-        terms, unit = coefficients([value(r * w) for w in upper]), math.factorial(order) / elementary.pow(r, order)
+        terms = coefficients([value(r * w) for w in upper], whole=whole)
+        unit = math.factorial(order) / elementary.pow(r, order)
         last, before, largest, ratio = _sizes(terms)
         return terms[order] * unit, EPS * largest * unit, _converged(last, before, ratio)
 
     return tiny.with_more_digits(best, lost, wider, room, lambda times: taken and taken(RADIUS * reach * times))
 
 
-def _sizes(terms: Array) -> tuple[Array, Array, Array, Array]:
+def _sizes(terms: Vector) -> tuple[Array, Array, Array, Array]:
     """Of the last coefficients, of those before them, of all, and what part of these the last are."""
     last, before, largest = (np.max(np.abs(part), axis=0) for part in (terms[LAST], terms[BEFORE], terms))
     ratio = np.where(largest > 0.0, last / np.where(largest > 0.0, largest, 1.0), 0.0)

@@ -10,11 +10,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,14 +19,17 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.systems.functions import tiny
-from contin.systems.functions.circles import coefficients, derivative_on_circle, nodes
+from contin.systems.functions.circles import EPS, TINY, coefficients, derivative_on_circle, nodes
 from contin.systems.functions.generic_change import GenericChange
+from contin.systems.functions.known_lines import KnownLines, Line
+from contin.systems.functions.polarised import are_alike, polarised
 from contin.systems.functions.stencils import differentiated
 from contin.systems.functions.tensors import second, third
 
 COMPLEX_STEP = 1e-30
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
 MANY = 20_000  # states that are asked in one direction
+ROUNDED = 8.0 * EPS  # a length that is off by this from 1 is 1
 
 Function = Callable[[Vector, Vector], Vector]
 Functional = Callable[[Vector], Any]
@@ -55,6 +55,7 @@ class Lines:
     levels: tuple[float, ...] = ()
     grain: Callable[[Array, Array], Array] | None = None
     _change: GenericChange = field(default_factory=GenericChange, repr=False)
+    _known: KnownLines = field(default_factory=KnownLines, init=False, repr=False)
 
     def first(self, u: Array, p: Array, v: Array) -> Array:
         """D F[v]."""
@@ -78,21 +79,16 @@ class Lines:
             found[:, j] = np.imag(self.function(moved, others) if j < n else self.function(states, moved)) / h
         return found
 
-    def pure(self, u: Array, p: Array, v: Array, order: int) -> Array:
+    def pure(self, u: Array, p: Array, v: Vector, order: int) -> Vector:
         """D^k F[v, ..., v], k = `order`."""
         n = len(u)
         reach = self._reach(u, p, v)
         if reach == 0.0:
             return np.zeros(n)
+        if self.analytic:
+            return np.asarray(self._on_circle(u, p, v, order, reach))
         room = self._room(u, p, v, reach)
         along, across, function = v[:n], v[n:], self.function
-        if self.analytic:
-
-            def on_line(t: complex) -> Vector:
-                return np.asarray(function(u + t * along, p + t * across))
-
-            changes = lambda: self._change.at(self.first, self.sizes, u, p)  # noqa: E731
-            return derivative_on_circle(on_line, order, reach * self.wider, n, changes=changes, room=room)
         if self.slope is not None and order > 1:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
@@ -100,6 +96,25 @@ class Lines:
         ahead = lambda t: function(u + t * along, p + t * across)  # noqa: E731
         off = 0.0 if self.grain is None else self.grain(u, p)
         return differentiated(ahead, order, reach * self.wider, self.levels, off, room)
+
+    def _on_circle(self, u: Array, p: Array, v: Vector, order: int, reach: float) -> Vector:
+        """`pure` of an analytic F, v real or complex: what is known of this line serves again."""
+        n, power = len(u), elementary.pow(reach, order)
+        if not power > TINY:
+            return np.full(n, np.nan)
+        line = Line.along(v if abs(reach - 1.0) < ROUNDED else v * reach)
+        known = self._known.on(u, p, line.v)
+        along, across, function = line.v[:n], line.v[n:], self.function
+
+        def on_line(t: complex) -> Vector:
+            if t not in known:
+                known[t] = np.asarray(function(u + t * along, p + t * across))
+            return known[t]
+
+        changes = lambda: self._change.at(self.first, self.sizes, u, p)  # noqa: E731
+        whole, room = np.iscomplexobj(line.v), self._room(u, p, line.v, 1.0)
+        found = derivative_on_circle(on_line, order, self.wider, n, changes=changes, room=room, whole=whole)
+        return line.turned(found, order) / (1.0 if abs(reach - 1.0) < ROUNDED else power)
 
     def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
         """left(D^k F[v, ..., v]), k = `order`, of a linear functional."""
@@ -132,28 +147,19 @@ class Lines:
         room = self._room(u, p, v, reach)
         return float(derivative_on_circle(on_line, order, reach * self.wider, 1, taken, room=room)[0]), terms
 
-    def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
-        """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, fewer if some are equal."""
-        k = len(directions)
-        if k == 1:
+    def form(self, u: Array, p: Array, directions: Sequence[Vector]) -> Vector:
+        """D^k F[d1, ..., dk], directions (n + m,), by polarisation; complex ones of an analytic F, k >= 2."""
+        if len(directions) == 1:
             return self.first(u, p, directions[0])
-        norms = [self._reach(u, p, d) for d in directions]
-        if any(size == 0.0 for size in norms):
+        reaches = [self._reach(u, p, d) for d in directions]
+        if any(reach == 0.0 for reach in reaches):
             return np.zeros(len(u))
-        if all(d is directions[0] or np.array_equal(d, directions[0]) for d in directions[1:]):
-            return self.pure(u, p, directions[0], k)
-        units: dict[bytes, Array] = {}  # comparable in size
-        counts: Counter[bytes] = Counter()
-        for direction, size in zip(directions, norms, strict=True):
-            unit = direction * size
-            key = unit.tobytes()
-            units[key] = unit
-            counts[key] += 1
-        total, own = np.zeros(len(u)), list(units.values())
-        for weight, multiples in polarised(tuple(counts.values())):
-            v = multiples[0] * own[0] + sum(c * d for c, d in zip(multiples[1:], own[1:], strict=True))
-            total += weight * self.pure(u, p, np.asarray(v), k)
-        return total / (2.0 ** (k - 1) * math.factorial(k) * float(np.prod(norms)))
+        return polarised(lambda v, k: self.pure(u, p, v, k), directions, reaches)
+
+    def takes_complex(self, u: Array, p: Array, directions: Sequence[Vector]) -> bool:
+        """Whether `form` takes these directions, the complex ones among them as they are."""
+        size = np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
+        return self.analytic and all(are_alike(d, size) for d in directions)
 
     def tensor(self, u: Array, p: Array, order: int) -> Array:
         """All derivatives of order 2 or 3 by the states, (n, .., n, n), the last axis that of F's components."""
@@ -189,22 +195,6 @@ class Lines:
         n, size = len(u), np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
         moved = slice(None) if v[:n].any() and v[n:].any() else slice(n) if v[:n].any() else slice(n, None)
         return 1.0 if self.levels else tiny.room(size[moved], v[moved], reach)
-
-
-@cache
-def polarised(counts: tuple[int, ...]) -> tuple[tuple[float, tuple[float, ...]], ...]:
-    """Weights and multiples c with 2^(k-1) k! B[d1 .. d1, d2 .. d2, ...] = sum of weight B[v, ..., v], v = sum c_i d_i.
-
-    counts : how often each direction occurs, k times altogether. The sum over all signs of the k directions, of which
-    those with the same v are one, v and -v too. (3, 2): 6 for 16.
-    """
-    found = []
-    for minus in product(*(range(count + 1) for count in counts)):
-        multiples = tuple(float(count - 2 * less) for count, less in zip(counts, minus, strict=True))
-        if next((c for c in multiples if c), -1.0) > 0.0:  # of v and -v one; not v = 0
-            ways = math.prod(math.comb(count, less) for count, less in zip(counts, minus, strict=True))
-            found.append(((-1.0) ** sum(minus) * ways, multiples))
-    return tuple(found)
 
 
 def is_analytic(function: Function, u: Array, p: Array, sizes: Array) -> bool:

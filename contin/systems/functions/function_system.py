@@ -412,6 +412,10 @@ class FunctionSystem:
                 return self.lines.form(states, others, parts)
 
         vectors = tuple(np.asarray(d) for d in directions)
+        if len(vectors) > 1 and self.model.derivative is None and self.lines.takes_complex(states, others, vectors):
+            with np.errstate(all="ignore"):
+                found = self.lines.form(states, others, vectors)
+            return found.astype(complex) if any(np.iscomplexobj(d) for d in vectors) else found
         return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
 
     def tensor(self, u: Array, p: Array, order: int) -> Array | None:

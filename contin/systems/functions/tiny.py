@@ -12,17 +12,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 
 FAR: Final = 1e3  # times smaller
 WIDER: Final = 100.0  # from one step to the next
 LOST: Final = 1e-9  # of the largest component: rounding errors of a derivative that are worth wider steps
 AGREE: Final = 64.0  # rounding errors, which are those of sums
 
-Wider = Callable[[float], tuple[Array, Array, NDArray[np.bool_]]]
+Wider = Callable[[float], tuple[Vector, Array, NDArray[np.bool_]]]
 
 
-def room(sizes: Array, v: Array, reach: float) -> float:
+def room(sizes: Array, v: Vector, reach: float) -> float:
     """How many times wider steps along v may be: until an unknown changes by the size of the largest; 1 if not FAR.
 
     sizes : of the unknowns, as many as v has.  reach : over which one of them changes by its own.
@@ -32,8 +32,8 @@ def room(sizes: Array, v: Array, reach: float) -> float:
 
 
 def with_more_digits(
-    best: Array, lost: Array, wider: Wider, room: float, taken: Callable[[float], object] = lambda times: None
-) -> Array:  # fmt: skip
+    best: Vector, lost: Array, wider: Wider, room: float, taken: Callable[[float], object] = lambda times: None
+) -> Vector:  # fmt: skip
     """A derivative whose rounding errors are about `lost`, or what wider steps make of it.
 
     wider : times -> the derivative by steps so many times as wide, its rounding errors, and where it has converged.
