@@ -21,7 +21,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.homoclinic.subspaces import left_subspace
 from contin.kernels.collocation_basis import basis
+from contin.linalg.csc import with_columns, with_rows
 from contin.linalg.newton import Rules, newton, solution
+from contin.problems.orbits.linearised.pattern import block_places
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile
 
@@ -140,24 +142,27 @@ class Arcs:
         total, gaps = int(starts[-1]), len(self.gaps)
         width = total + gaps
         columns = {k: total + len(unknown) + j for j, k in enumerate(times)}
-        rows, values = [], []
+        equations = total - n * len(self.arcs)
+        blocks, values, beside, first = [], [], np.zeros((equations, gaps)), 0
         for k, arc in enumerate(self.arcs):
-            defect, blocks, by_time, by_p = self._collocation(arc)
-            count, m = arc.intervals, arc.m
-            i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
-            where = ((i * m * n + r).ravel(), (starts[k] + i * m * n + c).ravel())
-            block = sparse.coo_matrix((blocks.ravel(), where), shape=(count * m * n, width)).tolil()
-            if k in columns:
-                block[:, columns[k]] = by_time.reshape(-1, 1)
-            if by_parameter:
-                block[:, width - 1] = by_p.reshape(-1, 1)
-            rows.append(block.tocsr())
+            defect, own_blocks, by_time, by_p = self._collocation(arc)
+            places = block_places(n, arc.m, arc.intervals)
+            blocks.append((own_blocks.ravel()[places.order], places.indices + first, np.diff(places.starts)))
             values.append(defect)
+            below = slice(first, first + len(defect))
+            if k in columns:
+                beside[below, columns[k] - total] = by_time
+            if by_parameter:
+                beside[below, -1] = by_p
+            first += len(defect)
         closing = self._closing(own, starts, width, unknown, by_parameter)
         if closing is None:
             return None
         rest, dense = closing
-        matrix = sparse.vstack([*rows, sparse.csr_matrix(dense)], format="csc")
+        data, indices, counts = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+        starts_of_columns = np.concatenate([[0], np.cumsum(counts)])
+        top = sparse.csc_matrix((data, indices, starts_of_columns), shape=(equations, total))
+        matrix = with_rows(with_columns(top, beside), dense)
         scale = np.concatenate([np.tile(s, total // n), np.ones(gaps)])
         return np.concatenate([*values, *rest]), matrix, scale
 
