@@ -85,16 +85,14 @@ class OrbitBase(MeshedBase[OrbitProblem]):
 
     def equations(self, z: Array, scale: Array) -> tuple[Array, csc_matrix] | None:
         """Scaled F and [F_x, F_p]."""
-        from scipy import sparse
-
         columns, own = [], None
         for place in self.places[::-1]:
             own = self._linear(z, scale, place)
             if not np.all(np.isfinite(own.residual)):
                 return None
-            columns.append(own.jacobian.tocsc()[:, -1:])
+            columns.append(own.last_column)
         assert own is not None
-        return own.residual, sparse.hstack([own.jacobian.tocsc()[:, :-1], *columns], format="csc")
+        return own.residual, with_columns(own.jacobian[:, :-1], np.column_stack(columns))
 
     def _critical(self, matrix: csc_matrix, z: Array) -> csc_matrix:
         """M: of period doublings that of perturbations which close with the other sign."""

@@ -124,6 +124,16 @@ class OrbitLinear:
         return np.concatenate([column, np.zeros(profile.n), [phase]])
 
     @property
+    def last_column(self) -> Array:
+        """The last column of `jacobian`, the same bits, (nu + 1,)."""
+        profile = self.profile
+        fp = np.moveaxis(self._points.fp, -1, 0)
+        entries = (-(profile.h * profile.period)[:, None, None] * fp).reshape(-1, profile.n)
+        unit, row = float(self.units[-1]), 1.0 / self.sizes
+        phase = 0.0 if self.problem.autonomous else 1.0 / self._phase_size * -self._forcing[1] * unit
+        return np.concatenate([(row * entries * unit).ravel(), np.zeros(profile.n), [phase]])
+
+    @property
     def state_derivatives(self) -> Array:
         """f_u at the Gauss points, (N, m, n, n)."""
         fu = self._points.fu
