@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Verified, unverified
 from contin.continuation.sample import Frame, Sample
-from contin.continuation.settings import Settings
-from contin.homoclinic import flips
+from contin.homoclinic import flips, significance
 from contin.homoclinic.subspaces import leading
 from contin.problems.orbits.ends.distances import extent_of
 from contin.problems.orbits.ends.saddle_node import centrality
@@ -41,8 +40,6 @@ ABOVE_ROUNDING: Final = 1e-8  # of its largest value: where the adjoint solution
 NOT_AS_FAR: Final = 5.0  # ... times this where the error that is left there is estimated
 SAFETY: Final = 2.0  # of what a finer mesh changes, which has an error of its own
 FOLD: Final = "LP"
-JUMP: Final = 1e-4  # of a test at its zero
-ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
 
 
 def tests_at(
@@ -146,27 +143,21 @@ def verify(problem: CurveOfConnections, type_: str, near: Sample, frame: Frame) 
     """The zero of a test along the curve."""
     index = test_of(type_)
     assert index is not None
+    slope = None if type_ == FOLD else significance.slope_beside(problem, near, frame, index)
+    if slope == 0.0:
+        return NOTHING  # an invariant plane or a skew product: no coupling, all along the curve
     zero = zero_of_test(problem, near, frame, index)
     if zero is None:
         return unverified(type_, "its test function has no zero nearby")
     found = zero.sample
-    if zero.value > JUMP:
+    if significance.jumps(zero.value, slope):
         return unverified(type_, "its test function jumps")
-    if type_ != FOLD and _vanishes(problem, found, frame, index):
-        return NOTHING  # an invariant plane or a skew product: no coupling, all along the curve
     moved = problem.discretisation(found, frame, index)
     if moved is None:
         return unverified(type_, "not found again on a mesh of half the lengths")
-    error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
+    own = zero.error + significance.displacement(problem, found, frame, index, slope)
+    error = 10.0 * own * float(frame.scale[-1]) + SAFETY * moved
     return Verified(_named(type_, found.eigenvalues), found.z, zero.value, error, found.eigenvalues, found.unstable)
-
-
-def _vanishes(problem: CurveOfConnections, found: Sample, frame: Frame, index: int) -> bool:
-    """True where a test is as small beside its zero as at it."""
-    settings = Settings()
-    ahead = found.z + frame.scale * ASIDE * found.tangent
-    beside = problem.probe(found, ASIDE, ahead, frame, settings)
-    return beside is not None and abs(float(beside.tests[index])) < RESOLVED
 
 
 def _named(type_: str, values: NDArray[np.complex128]) -> str:

@@ -22,6 +22,7 @@ from contin.homoclinic.subspaces import Leading, aligned
 from contin.machine import elementary
 from contin.problems.orbits.mesh.layout import Profile
 
+ROUNDING: Final = 4.0 * float(np.finfo(float).eps)  # of a vector's part along a direction, relative to the vector
 LARGEST: Final = 300.0  # exponent of the growth that is taken out: e^300 is a number still
 
 
@@ -69,5 +70,8 @@ def component(memory: dict[str, Array], name: str, slow: Leading, direction: Arr
         return float("nan")
     unit = aligned(direction / float(np.linalg.norm(direction)), memory.get(name))
     memory[name] = unit
+    part = float(unit @ end.vector)
+    if abs(part) <= ROUNDING * float(np.linalg.norm(end.vector)):
+        return 0.0  # no sign of its own: the orbit (the adjoint solution) lies in an invariant plane
     growth = elementary.exp(min(abs(slow.value.real) * end.time, LARGEST))
-    return float(unit @ end.vector) * float(growth)
+    return part * float(growth)
