@@ -78,4 +78,5 @@ def _stays(problem: CurveOfConnections, near: Sample, frame: Frame, index: int, 
     again = None if refined is None else _values(*refined, index, ASIDE)
     if again is None:
         return True
+    again *= np.sign(again[0] * values[0])  # an adjoint solution has no sense of its own
     return _crosses(again) and float(np.abs(again - values).max()) <= ALIKE * float(np.abs(values).max())

@@ -79,6 +79,7 @@ def probing(values, finer):
     ("values", "finer", "slope"),
     [
         (lambda s: 1e-9 * s, lambda s: 1.01e-9 * s, 1e-9),  # a weak coupling
+        (lambda s: 1e-9 * s, lambda s: -1.01e-9 * s, 1e-9),  # an adjoint solution in the other sense
         (lambda s: 1e-9 * s, lambda s: -1e-11 * s, 0.0),  # the mesh
         (lambda s: 1e-9 * np.sin(1e5 * s), lambda s: 1e-9 * np.sin(1e5 * s), 0.0),  # rounding
         (lambda s: 1e-5 * s * s - 1e-12, lambda s: 1e-5 * s * s, 0.0),  # what Newton's method left
