@@ -162,6 +162,14 @@ class Derivatives:
         found, terms = self.problem.functional(left, self.z, v, 2, self.system or self.problem.system)
         return found if self.noise is None else found + float(np.real(left(self._known(terms) - terms)))
 
+    def off_by_matrix(self, linear: Linear, h: Vector, here: Array) -> Vector:
+        """What errors of F_u, known to rounding and at a place off `here`, make of its product with h; 0 at `here`."""
+        if self.noise is None:
+            return np.zeros_like(h)
+        row = EPSILON * self.noise.uniform(-1.0, 1.0, len(h)) * linear.magnitude(np.abs(h))
+        moved = 0.0 if len(h) > MANY else self.problem.form(here, self.z - here, state(h), system=self.system)
+        return np.asarray(row + moved)
+
     def slope(self) -> Array:
         """F_p"""
         return np.real(self._known(self.problem.parameter_slope(self.z, self.system)))
@@ -246,6 +254,9 @@ def hopf_coefficient(problem: LargeEquations, z: Array, q: Vector, omega: float)
     def c1(form: Derivatives) -> complex:
         h20 = -twice.solve(form(right, right).astype(complex))
         h11 = -linear.solve(np.real(form(right, other)))
+        if form.noise is not None:  # beside a resonance, or another zero eigenvalue, the matrix's errors are amplified
+            h20 = h20 - twice.solve(form.off_by_matrix(linear, h20, z).astype(complex))
+            h11 = h11 - linear.solve(np.real(form.off_by_matrix(linear, h11, z)))
         total = form(right, right, other) + form(other, state(h20)) + 2.0 * form(right, state(h11.astype(complex)))
         return 0.5 * complex(project(total)[1])
 

@@ -150,3 +150,22 @@ def test_beside_a_resonance_errors_tell_how_far_the_matrix_is_known():
     assert far["errors"]["l2"] < 1e-7 * max(abs(far["l2"]), 1.0)
     shifted = form(bautin(1e-4 + 1e-12), "GH", (1j,))
     assert near["errors"]["l2"] > abs(shifted["l2"] - near["l2"]) > 1e-9 * abs(near["l2"])
+
+
+def test_the_error_of_a_first_coefficient_beside_a_resonance_counts_the_matrix():
+    """z' = (p + i) z + 0.3 c z*, c' = (-d + 2 i) c + z^2: l1 = 0.6/d, and d is known to rounding."""
+
+    def residual(u, p):
+        w, v, a, b = u
+        pair = [p["p"] * w - v + 0.3 * (a * w + b * v), p["p"] * v + w + 0.3 * (b * w - a * v)]
+        return np.array([*pair, -p["d"] * a - 2 * b + w * w - v * v, 2 * a - p["d"] * b + 2 * w * v])
+
+    def jacobian(u, p):
+        return sp.csc_matrix(np.array([np.imag(residual(u + 1e-30j * e, p)) / 1e-30 for e in np.eye(4)]).T)
+
+    for d, most in ((1.0, 1e-9), (1e-7, 0.1)):
+        function = contin.FunctionProblem(residual, np.zeros(4), {"p": -0.1, "d": d}, jacobian=jacobian)
+        form = contin.continuation(function, "p", (-0.1, 0.1))["HB1"].normal_form
+        assert form["l1"] == pytest.approx(0.3 / d * 2, rel=1e-7)
+        assert form["errors"]["l1"] > 0.3 / d * (2.2e-16 / d)  # was a tenth of that
+        assert form["errors"]["l1"] < most
