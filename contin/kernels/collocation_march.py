@@ -47,6 +47,7 @@ from contin.kernels.steering import (
     CLOSE,
     CORNER,
     CORRECTOR,
+    DIP,
     LIMIT,
     LOOP,
     NOT_FINITE,
@@ -416,6 +417,17 @@ def follow(
         for i in range(TESTS):
             changed |= tests[i] * out_tests[k, i] <= 0.0
         what = met(tests, out_tests, k, previous_tests, 0, changed, h_previous, h_used, info)
+        if what == DIP and sizes_of[2] > EXACT:  # factors of a point nearby may bend a test that is small
+            sign = renew(e, w, s, x, tangent, scale)
+            info[2] += 1.0
+            if sign != 0:
+                unstable = measure(e, w, s, x, scale, sizes, sign, reference, k, row, out_t, tests, out_re, out_im)
+                out_unstable[row] = unstable
+                record(z, tests, out_z, out_tests, row)
+                changed = unstable != out_unstable[k]
+                for i in range(TESTS):
+                    changed |= tests[i] * out_tests[k, i] <= 0.0
+                what = met(tests, out_tests, k, previous_tests, 0, changed, h_previous, h_used, info)
         if what != LIMIT:
             return what
         if loop_z.size == size and back_at_start(z, out_z[k], loop_z, loop_tangent, scale, h_used):

@@ -1,9 +1,12 @@
-"""Rows of a march: what was not marched keeps no memory."""
+"""Rows of a march: what was not marched keeps no memory, and where they are looked between."""
 
 import numpy as np
 import pytest
 
+from contin import api
+from contin.continuation import end_of_step
 from contin.continuation.sample import Stop
+from contin.model.model import Model
 from contin.problems.orbits.march.rows import Rows
 
 
@@ -14,3 +17,18 @@ def test_a_short_march_lets_the_memory_of_a_long_one_go(marched, held):
     chunk = out.chunk(Stop.LIMIT)
     assert np.array_equal(chunk.z[:, 0], np.arange(marched + 1.0))
     assert (chunk.z.base is out.z) == (chunk.tangents.base is out.t) == held
+
+
+def test_a_step_is_looked_into_only_where_tests_of_its_own_factors_dip(monkeypatch):
+    """Cycles of x' = y - x^3/3 + x, y' = e (a - x), whose parameter all but stands still once they are large: factors
+    of a point nearby bend dp/ds by more than it is (6 looks in vain)."""
+    model = Model(
+        "canard", states={"x": 1.1, "y": -0.66}, parameters={"a": 1.1, "e": 0.05},
+        equations={"x": "y - x^3/3 + x", "y": "e*(a - x)"},
+    )  # fmt: skip
+    looks = []
+    monkeypatch.setattr(end_of_step, "resolve_dip", lambda *where: looks.append(where) or [])
+    line = api.continuation(api.equilibrium(model), "a", (0.9, 1.2))
+    cycles = api.continuation(line["HB1"].switch(), "a", (0.9, 1.2))
+    assert cycles.columns["x.max"][-1] - cycles.columns["x.min"][-1] > 3.5  # beyond the canards
+    assert not looks
