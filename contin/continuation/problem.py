@@ -404,7 +404,14 @@ class Problem(ABC):
         return values
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        """Notes on the whole branch with rows z, whose eigenvalues (rows, k) are as the march gave them."""
+        """Notes on the whole branch with rows z, whose eigenvalues (rows, k) are as the march gave them.
+
+        Of a curve in two parameters: that eigenvalues are critical all along it, so that their changes are rounding.
+        """
+        return ()
+
+    def shortcomings(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """Notes on what could not be computed, or not accurately, along such a branch."""
         return ()
 
     def recounted(

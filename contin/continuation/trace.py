@@ -202,8 +202,8 @@ def _assemble(
     properties: list[str] = []  # what holds all along the branch
     with contained(notes.append):
         properties.extend(problem.remarks(z, eigenvalues))
+        notes += [*properties, *problem.shortcomings(z, eigenvalues)]
         unstable = problem.recounted(z, unstable, eigenvalues)
-    notes += properties
     reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]

@@ -4,7 +4,7 @@ import math
 
 from contin.kernels.collocation_steps import predict
 from contin.kernels.compile import kernel
-from contin.kernels.special_orbits.carry import carry
+from contin.kernels.special_orbits.carry import carried_on
 from contin.kernels.special_orbits.correct import correct_special
 from contin.kernels.special_orbits.memory import BPC, LPC, NOT_FINITE, NS
 from contin.kernels.special_orbits.predict import bring_in_phase, turned_over
@@ -130,7 +130,6 @@ def follow_special(
             keep_form(o)
         if crosses or 0.0 < apart <= TOLD:
             info[8] = row
-        side_before = info[7]
         info[5] = o.y[1, nodes + 1]
         speed = 1.0
         if c.kind == LPC:
@@ -145,7 +144,8 @@ def follow_special(
         further = z[size - 3] if c.kind == NS else 0.0
         out_unstable[row] = special_tests(c.kind, x.re, x.im, further, speed, o.others_re, o.others_im, o.four, o.tests)
         if mode != CORRECT:
-            carry(c.kind, f.across, f.along, f.rows, f.start, o.y, o.v, sizes, scale, t)
+            info[7] = carried_on(c.kind, f.across, f.along, f.rows, f.start, o.y, o.v, sizes, scale, t, info[7])
+        side_before = info[7]
         for j in range(size):
             out_z[row, j] = z[j]
             out_t[row, j] = t[j]

@@ -8,6 +8,7 @@ import math
 from contin.kernels.collocation_steps import predict
 from contin.kernels.compile import kernel
 from contin.kernels.special_orbits.correct import correct_special
+from contin.kernels.special_orbits.memory import LPC
 from contin.kernels.special_orbits.predict import bring_in_phase
 from contin.kernels.special_orbits.sides import relative
 from contin.kernels.steering import BISECTED, LEAST, ONE_POINT, SHIFT
@@ -24,14 +25,16 @@ def turning_off(
 
     side : the determinant at o.z0.  lengths : [., its modulus at o.zn relative to that]; becomes the longest step that
     ends on that side, and its larger modulus there and at the shortest step that does not.
-    Returns the scaled distance of the two ends; 0 where it is next to nothing.
+    Returns the scaled distance of the two ends; 0 where it is next to nothing, or the modulus has grown on the way to
+    both: to a pole, also where no correction comes near it.
     """
     below, above, here, z = o.below, o.above, o.z0, o.zn
     size = scale.size
     for j in range(size):
         below[j] = 0.0
         above[j] = (z[j] - here[j]) / scale[j]
-    low, high, at_low, at_high, fraction = 0.0, h, 1.0, lengths[1], 0.5
+    end = lengths[1]
+    low, high, at_low, at_high, fraction = 0.0, h, 1.0, end, 0.5
     while high - low > BISECTED * h and fraction > LEAST:
         length = low + fraction * (high - low)
         predict(here, o.t0, o.before, o.old, scale, length, h_previous, o.guess)
@@ -58,6 +61,8 @@ def turning_off(
             for j in range(size):
                 below[j] = (z[j] - here[j]) / scale[j]
     lengths[0], lengths[1] = low, max(at_low, at_high)
+    if c.kind != LPC and at_low >= 1.0 and at_high >= end and lengths[1] > max(1.0, end):
+        return 0.0
     apart = 0.0
     for j in range(size):
         apart += (above[j] - below[j]) ** 2

@@ -15,6 +15,7 @@ from contin.continuation.sample import Frame, Sample, opposite
 from contin.loci.orbits import criticality, events
 from contin.loci.orbits.curve_of_orbits import CurveOfSpecialOrbits
 from contin.loci.orbits.homoclinic_approach import approached
+from contin.problems.orbits.linearised import lost_multipliers
 from contin.problems.orbits.linearised.multipliers import nontrivial, without, without_critical
 from contin.special.table import tests_of_orbits
 
@@ -55,7 +56,9 @@ class OfSpecialOrbits(CurveOfSpecialOrbits):
         end = approached(self, origin.z, before.z, frame.scale, failed=True)
         return None if end is None else Renewal(frame.scale, origin, before, None, end)
 
-    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        return criticality.remarks(self.curve)
+    def shortcomings(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        def critical(row: Array) -> tuple[complex, ...]:
+            return events.critical(self.locus, self.curve.further(row))
 
-
+        lost = lost_multipliers.remarks(self, self.curve.orbits, z, eigenvalues, critical)
+        return (*criticality.remarks(self.curve), *lost)

@@ -54,12 +54,17 @@ def _apart(values: Multipliers, target: complex) -> NDArray[np.float64]:
     return far
 
 
+def nearest(values: Multipliers, target: complex) -> int:
+    """Place of the multiplier nearest to a target."""
+    return int(np.argmin(_apart(values, target)))
+
+
 def without(values: Multipliers, targets: Sequence[complex]) -> Multipliers:
     """Without the multiplier nearest to each of the targets."""
     left = list(values)
     for target in targets:
         if left:
-            left.pop(int(np.argmin(_apart(np.array(left), target))))
+            left.pop(nearest(np.array(left), target))
     return np.array(left, complex)
 
 

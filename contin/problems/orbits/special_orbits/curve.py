@@ -107,7 +107,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     def carried(self, sample: Sample, scale: Array) -> tuple[Self, Sample | Failure]:
         """The curve with its borders, and the sense of its normals, taken on to a point; and the point, measured."""
         work = self._work(sample.z, scale)
-        found = self._corrected(work, sample.z, sample.tangent, 0.0, sample.z, scale, np.inf, mode=MEASURE)
+        for _ in range(2 if self.type == "BPC" else 1):  # the second time in the coordinates of the borders carried on
+            found = self._corrected(work, sample.z, sample.tangent, 0.0, sample.z, scale, np.inf, mode=MEASURE)
         return replace(self, gauge=work.gauge()), found
 
     def _corrected(
