@@ -143,10 +143,11 @@ def verify(problem: CurveOfConnections, type_: str, near: Sample, frame: Frame) 
     """The zero of a test along the curve."""
     index = test_of(type_)
     assert index is not None
-    slope = None if type_ == FOLD else significance.slope_beside(problem, near, frame, index)
+    zero = zero_of_test(problem, near, frame, index)
+    place = near if zero is None else zero.sample
+    slope = None if type_ == FOLD else significance.slope_beside(problem, place, frame, index)
     if slope == 0.0:
         return NOTHING  # an invariant plane or a skew product: no coupling, all along the curve
-    zero = zero_of_test(problem, near, frame, index)
     if zero is None:
         return unverified(type_, "its test function has no zero nearby")
     found = zero.sample

@@ -28,6 +28,7 @@ THIRD: Final = np.array([-1.0, 3.0, -3.0, 1.0])
 RANDOM: Final = 0.5  # of the largest value: third differences from which on values are no multiples of the distance
 ALIKE: Final = 0.25  # of the largest value, by which a finer mesh may change a test that is no error of the mesh
 SMALL: Final = 1e-3  # in units of the solution whose part a test is: a larger one is none of these errors
+FAINT: Final = 1e-6  # ... and a smaller one that a finer mesh changes is the error of the mesh alone
 JUMP: Final = 0.1  # of the change of a test over ASIDE: what is left at its zero where it jumps
 
 
@@ -36,8 +37,11 @@ def slope_beside(problem: CurveOfConnections, near: Sample, frame: Frame, index:
     values = _values(problem, near, frame, index, ASIDE)
     if values is None:
         return None
-    if float(np.abs(values).max()) < SMALL and not (_crosses(values) and _stays(problem, near, frame, index, values)):
+    size = float(np.abs(values).max())
+    if size < SMALL and not _crosses(values):
         return 0.0
+    if size < SMALL and not _stays(problem, near, frame, index, values):
+        return 0.0 if size < FAINT else None
     return float(np.abs(np.diff(values)).max()) / ASIDE
 
 
