@@ -67,6 +67,8 @@ MARCH, PROBE, STABILITY, CORRECT = range(4)  # what `follow` does
 
 WANTED = 1.5e-3  # first correction, as a part of the orbit's size, that the step control aims at
 OUTGROWN = 2.0  # sizes beyond which a state has another one
+MISSED = 1e-5  # the trivial multiplier, beyond which the others have less than the digits that are read
+MOVED_FREELY = 1e-6  # ... and the distance in which multipliers of forced systems change by as much
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
 
 Scratch = namedtuple(
@@ -268,6 +270,18 @@ def extent(z, n, count, sizes, periods):
     return swing, largest
 
 
+@kernel("f, f, f, i -> b")
+def is_off(trivial, missed, moved, forcing):
+    """True where multipliers from factors of a point nearby are to be computed again, from those of the orbit itself.
+
+    trivial : the multiplier that is 1, which says how far they are off; of forced systems, which have none, the point
+        has `moved` since.  missed : by how much the mesh makes it miss 1.
+    """
+    if forcing != 0:
+        return moved > MOVED_FREELY
+    return not abs(trivial - 1.0) <= max(MISSED, 3.0 * missed)
+
+
 @kernel("f1, f1, f1, f1, f1, f -> b")
 def back_at_start(z, before, start, tangent, scale, h):
     """True where the family passes its start, a point of this mesh, between `before` and `z`, in its sense."""
@@ -359,6 +373,7 @@ def follow(
     info[3] = reference
     record(z, tests, out_z, out_tests, 0)
     out_unstable[0] = unstable
+    missed = abs(out_re[0, 0] - 1.0)
     out_error[0] = mesh_error(z, n, m, intervals, True, top, error_constant, sizes, density)
     swing, _ = extent(z, n, count, sizes, e.periods)
     strayed = 0
@@ -380,6 +395,7 @@ def follow(
             if is_stale(sign, sizes_of[2], min(1.0, swing)):
                 sign = renew(e, w, s, x, tangent, scale)
                 info[2] += 1.0
+                sizes_of[2] = 0.0
             if sign != 0 and sign != 2 and leaves(distance(z, out_z[k], scale), h, cos_max, tolerance):
                 sign = 0
             if sign == 0 or sign == 2:
@@ -390,6 +406,14 @@ def follow(
                 h = max(0.4 * h, h_min)
                 continue
             unstable = measure(e, w, s, x, scale, sizes, sign, reference, k, row, out_t, tests, out_re, out_im)
+            if sizes_of[2] > EXACT and is_off(out_re[row, 0], missed, sizes_of[2], e.forcing):
+                again = renew(e, w, s, x, tangent, scale)
+                info[2] += 1.0
+                if again != 0:
+                    sign = again
+                    unstable = measure(e, w, s, x, scale, sizes, sign, reference, k, row, out_t, tests, out_re, out_im)
+                    missed = abs(out_re[row, 0] - 1.0)
+                    sizes_of[2] = 0.0
             cosine = product(tangent, out_t[row])
             verdict = judged(
                 tests, out_tests, k, previous_tests, 1, False, cosine, cos_max, h, h_min, h_previous, strayed < 3

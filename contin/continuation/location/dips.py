@@ -25,6 +25,7 @@ ALIKE = 0.05  # arclength over which two branches that touch may be alike, and r
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 NOTHING_LEFT = 1e-6  # of the larger value at the neighbouring rows: a resolved minimum this low may be zero
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
+STANDING = 1e-9  # the parameter's part of a unit tangent that is no more than its errors on a mesh
 EXACT = ("equilibrium", "fixed-point", "algebraic")  # kinds whose tests have rounding errors only
 TOUCHES = "a test function touches zero without crossing it: a degenerate point, not labelled"
 
@@ -176,8 +177,14 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
         item for item in together if isinstance(item, Verified) and (item.touches or item.error < ACCURATE * scale)
     ]
     yield from (found_at(stretch, low, point, anchor) for point in points)
-    if not points and (together or test == 0):
+    if not points and (together or (test == 0 and not _is_unresolved(stretch, anchor, high))):
         yield noted(stretch, low, TOUCHES)
+
+
+def _is_unresolved(stretch: Stretch, a: Sample, b: Sample) -> bool:
+    """True where the parameter stands still as far as solving for the tangent tells: orbits that shrink to a degenerate
+    equilibrium. A fold of codimension two is passed in steps between whose ends the parameter moves."""
+    return stretch.problem.kind not in EXACT and max(abs(float(a.tests[0])), abs(float(b.tests[0]))) < STANDING
 
 
 def _is_unknown(stretch: Stretch, item: Outcome, test: int) -> bool:

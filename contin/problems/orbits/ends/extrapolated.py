@@ -23,7 +23,7 @@ class Limit:
     drift: float
     spiral: bool
     rate: float
-    doubt: float = 0.0  # what terms that are left out may make
+    doubt: float = 0.0  # what terms that are left out may make (of second order)
 
     @property
     def disagreement(self) -> float:
@@ -41,7 +41,8 @@ def extrapolated(
         steps = _of_spiral(k, q, slopes, gained)
     else:
         steps = [slope / k for slope in slopes]
-    return Limit(steps[0], abs(moved + steps[0] - steps[1]), q > 0.0, k)
+    drift = abs(moved + steps[0] - steps[1])
+    return Limit(steps[0], drift, q > 0.0, k, drift * _hidden(k, q, gained) if q > 0.0 else 0.0)
 
 
 def _of_spiral(k: float, q: float, slopes: Sequence[float], gained: float) -> list[float]:
@@ -59,6 +60,25 @@ def _of_spiral(k: float, q: float, slopes: Sequence[float], gained: float) -> li
     square = k * k + q * q
     a, b = -(k * here + q * across) / square, (q * here - k * across) / square
     return [-a, -grown * (a * cosine - b * sine)]
+
+
+def _hidden(k: float, q: float, gained: float) -> float:
+    """How many times larger than the drift the error of a step is that terms of second order make: exp(-2 k t) by 1,
+    cos(2 q t) and sin(2 q t).
+
+    Slopes at two orbits near each other fit any such term, and leave of it what a cubic leaves: the drift alone says
+    little (two orbits at an angle of 0.16 agree to a thousandth of their common error).
+    """
+    largest = 0.0
+    for w, c, s in ((0.0, 1.0, 0.0), (2.0 * q, 1.0, 0.0), (2.0 * q, 0.0, 1.0)):
+        cosine, sine = (float(f(-w * gained)) for f in (elementary.cos, elementary.sin))
+        grown = float(elementary.exp(2.0 * k * gained))
+        before = grown * (c * cosine + s * sine)
+        slopes = (w * s - 2.0 * k * c, grown * (w * (s * cosine - c * sine)) - 2.0 * k * before)
+        steps = _of_spiral(k, q, slopes, gained)
+        drift = abs(c - before + steps[0] - steps[1])
+        largest = max(largest, abs(steps[0] + c) / drift if drift > 0.0 else np.inf)
+    return largest
 
 
 def with_next(first: Limit, next_: Limit, slopes: Sequence[float], gained: float, moved: float, wanted: float) -> Limit:

@@ -26,7 +26,6 @@ from contin.records import Fields
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
 
-SWINGING = 6.0  # the error estimate's factor of safety there
 LEVELS = 3  # rates of a saddle that are tried
 RELAXED = 3.0  # periods, in units of a slower rate, from which its term would be seen; before it is like a constant
 FADES = 0.5  # part of a faster rate at which dp/dT must fall: the two constants of a spiral fit any two orbits
@@ -91,7 +90,7 @@ def diverged(
             continue
         at = profile.parameter + limit.step
         at_limit = [s.at(problem, at, sizes) for s in saddles]
-        doubt = (SWINGING if limit.spiral else 3.0) * error
+        doubt = error
         doubt += (2.0 * abs(limit.step) + abs(moved)) * limit.rate * profile.period * _changed(saddles, at_limit)
         doubt += ROUNDING * width + _by_mesh(problem, origin, frame, slopes[0], limit.step)
         return _connection(problem, origin, profile, at_limit, at, doubt)
