@@ -104,7 +104,7 @@ class FamilyOfOrbits(InOneParameterProblem):
             return apart
         n = len(self.winding)
         u, period = np.split(self.at_shared_places(one, one), [n], axis=1)
-        speed = period * self.system.values(u, np.tile(self.full_parameters(one), (len(u), 1)))
+        speed = period * self.system.values(u, self.full_parameters(one))
         natural = self.sizes(one, self.initial_scale(one, (float(one[-1]), float(one[-1]) + 1.0)))
         sizes = np.max(np.abs([u, u - apart[:, :n], speed]), axis=(0, 1))
         sizes = np.where(sizes > ROUNDED * natural, sizes, natural)  # a zero with rounding errors says nothing

@@ -34,7 +34,7 @@ def apart_in_time(problem: ShotFamily, one: Array, other: Array, sizes: Array) -
     shift, p = float(times[np.argmin(far)]), problem.full_parameters(other)
     for _ in range(REFINED):
         u = _at(problem, other, np.array([shift]))
-        speed = period * problem.system.values(u, p[None])[0] / sizes
+        speed = period * problem.system.values(u, p)[0] / sizes
         if not float(speed @ speed) > 0.0:  # NaN where the trajectory does not get there
             return np.full((nodes.count, problem.n + 1), np.nan)
         shift += float(speed @ ((nodes.u[0] - u[0]) / sizes)) / float(speed @ speed)

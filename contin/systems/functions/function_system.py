@@ -374,14 +374,14 @@ class FunctionSystem:
         return self.value(states, others), matrix
 
     def values(self, u: Array, p: Array) -> Array:
-        """F at N points u (N, n), (N, n): at once, until something is wrong with one of them."""
+        """F at N points u (N, n), (N, n), p (N, m) or one (m,) for all: at once, until something is wrong with one."""
         others = np.asarray(p, dtype=float)
         with np.errstate(all="ignore"):
-            found = self._at_rows(np.array(u, dtype=float), others, "biuf")
+            found = self._at_rows(np.array(u, dtype=float), others, "biuf") if others.ndim == 1 else None
         if found is not None and np.all(np.isfinite(found)):
             self._worked |= {"residual", "value"}
             return found
-        return np.array([self.value(at, others) for at in u])
+        return np.array([self.value(*at) for at in zip(u, np.broadcast_to(others, (len(u), self.m)), strict=True)])
 
     def _at_rows(self, u: Vector, p: Vector, kinds: str) -> Vector | None:
         """F (K, n) at the rows of u (K, n) where the user's function gives numbers of these kinds; None else."""
