@@ -35,10 +35,10 @@ def test_values_at_many_points_take_one_row_of_parameters_or_one_for_each(system
 
 @pytest.mark.parametrize("method", ["collocation", "shooting"])
 def test_orbits_of_a_function_are_compared_like_those_of_formulas(method):
-    """A circle and its neighbour that is wider by 1e-4 and begins 1e-4 elsewhere: without the shift, the width is left."""
+    """A circle and one that is wider by 1e-4 and begins 1e-4 elsewhere: without the shift the width is left."""
     t, apart = np.linspace(0.0, 2.0 * np.pi, 41), []
+    u = np.column_stack([np.cos(t), np.sin(t)])
     for model in (FUNCTION, contin.load(FORMULAS)):
-        u = np.column_stack([np.cos(t), np.sin(t)])
         seed = contin.periodic_orbit(model, u, times=t, method=method, intervals=4).seed("a")
         other = seed.z.copy()
         states = 4 * 4 * 2 + 2 if method == "collocation" else 4 * 2

@@ -46,3 +46,13 @@ def test_a_state_of_small_units_keeps_steps_of_its_own_size(analytic):
     calls.clear()
     np.testing.assert_allclose(system.derivative(u, p, along, along)[1] * K * K, bend, rtol=1e-7)
     assert len(calls) <= 60
+
+
+def test_third_derivatives_by_differences_where_many_states_are_rounding():
+    """Weights that add up to 4e-15 of their size, and not to 0, hid that wider steps converge: errors were 4e35."""
+    n = 20
+    u, p = np.where(np.arange(n) % 2, 1e-16, 0.1), np.array([0.3])
+    d = np.append(np.random.default_rng(0).normal(size=n), 0.0)
+    problem = contin.FunctionProblem(lambda u, p: p["a"] * np.exp(u.astype(np.float64)) - 0.1 * u**3, u, {"a": 0.3})
+    third = problem.system().derivative(u, p, d, d, d)
+    np.testing.assert_allclose(third, (0.3 * np.exp(u) - 0.6) * d[:n] ** 3, atol=2e-6 * np.abs(third).max())
