@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.branch import End
 from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.problems.orbits.hopf_end import SMALL
@@ -17,6 +18,7 @@ from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 HALVES = 100
 OPPOSITE: Final = 0.9  # cosine of the ways from one half to the other of neighbouring orbits that have changed places
+ROUNDING: Final = 1e-8  # of a state: how far apart halves that are equal are computed
 ANGLES: Final = {  # of critical multipliers, of types with one of them
     "CPC": 0.0, "R1": 0.0, "GPD": np.pi, "R2": np.pi, "R3": 2.0 * np.pi / 3.0, "R4": 0.5 * np.pi,
 }  # fmt: skip
@@ -25,6 +27,8 @@ ANGLES: Final = {  # of critical multipliers, of types with one of them
 @dataclass(frozen=True, eq=False)
 class CurveOfSpecialOrbits(OfPeriodicOrbits):
     """`curve` is a `CurveOfPeriodicOrbits` of LPC, BPC, PD or NS; that of NS has cos(theta) as a further unknown."""
+
+    halved: ClassVar[tuple[str, ...]] = ("NS",)  # loci whose rows are asked whether the halves have changed places
 
     def has_met_half(self, z: Array, scale: Array) -> bool:
         """True where the orbit is one of half its period, but for a difference that does not matter."""
@@ -36,16 +40,33 @@ class CurveOfSpecialOrbits(OfPeriodicOrbits):
             return False
         return float(np.sum(self._halves_apart(before, scale) * self._halves_apart(here, scale))) < 0.0
 
-    def past_half(self, z: Array) -> int | None:
-        """Where the two halves of a doubled orbit have changed places from row to row: past R2 on a curve of NS.
+    def comes_to_half(self, before: Array, here: Array, scale: Array) -> bool:
+        """True where the orbit is one of half its period but for a difference that grows less from row to row."""
+        if not self.has_met_half(here, scale):
+            return False
+        left, was = self._halves_apart(here, scale), self._halves_apart(before, scale)
+        along = float(np.sum(left * was))
+        alike = along > OPPOSITE * float(np.linalg.norm(left) * np.linalg.norm(was))
+        return alike and float(np.sum(left * left)) < along
 
-        States are compared in the sizes of their differences, whatever the metric of a chunk.
+    def joined(self, z: Array) -> End:
+        """The end of folds of doubled orbits at z, where the two halves become one."""
+        text = "came together with orbits of half the period, at their degenerate period doubling near "
+        return End("joined", text + self.place(z))
+
+    def past_half(self, z: Array) -> int | None:
+        """Where the halves of a doubled orbit have changed places from row to row: past R2 on one of NS, GPD of LPC.
+
+        States are compared in the sizes of their differences, whatever the metric of a chunk; without those whose
+        halves differ by rounding.
         """
-        if self.locus != "NS" or self.curve.orbits.multiple % 2 or len(z) < 2:
+        if self.locus not in self.halved or self.curve.orbits.multiple % 2 or len(z) < 2:
             return None
         apart = np.array([self._halves_in_units(row) for row in z])
         largest = np.abs(apart).max(axis=(0, 1))
-        apart = (apart / np.where(largest > 0.0, largest, 1.0)).reshape(len(z), -1)
+        sizes = np.max([np.abs(self.curve.profile(row).u).max(axis=0) for row in z[[0, -1]]], axis=0)
+        largest = np.where(largest > ROUNDING * sizes, largest, np.inf)
+        apart = (apart / largest).reshape(len(z), -1)
         lengths = np.linalg.norm(apart, axis=1)
         turned = np.flatnonzero(np.sum(apart[1:] * apart[:-1], axis=1) < -OPPOSITE * lengths[1:] * lengths[:-1])
         return int(turned[0]) + 1 if len(turned) else None

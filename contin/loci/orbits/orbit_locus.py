@@ -10,7 +10,6 @@ import numpy as np
 
 from contin import lazy
 from contin.abi import Array
-from contin.continuation.branch import End
 from contin.continuation.march import until_dip
 from contin.continuation.outcome import Failure, Verified
 from contin.continuation.problem import Renewal
@@ -147,8 +146,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
         if end is not None:
             return Renewal(frame.scale, origin, before, loop, end)
         if self.locus == "LPC" and before is not None and self.passes_half(before.z, origin.z, frame.scale):
-            text = "came together with orbits of half the period, at their degenerate period doubling near "
-            return Renewal(frame.scale, origin, before, loop, End("joined", text + self.place(origin.z)))
+            return Renewal(frame.scale, origin, before, loop, self.joined(origin.z))
         return self.connected(origin, before, frame) or renew(self, origin, before, frame, settings)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:

@@ -50,9 +50,11 @@ class OfSpecialOrbits(CurveOfSpecialOrbits):
         return None if end is None else Renewal(frame.scale, origin, before, None, end)
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-        """A curve of homoclinic orbits that this one was near when its corrector failed."""
+        """What this curve was near when its corrector failed: a degenerate period doubling, or homoclinic orbits."""
         if before is None:
             return None
+        if self.locus == "LPC" and self.comes_to_half(before.z, origin.z, frame.scale):
+            return Renewal(frame.scale, origin, before, None, self.joined(origin.z))
         end = approached(self, origin.z, before.z, frame.scale, failed=True)
         return None if end is None else Renewal(frame.scale, origin, before, None, end)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,8 @@ class LinearisedLocus(BorderedShooting):
 @dataclass(frozen=True, eq=False)
 class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     """`curve` is a `ShootingCurve`, or one of touching orbits."""
+
+    halved: ClassVar[tuple[str, ...]] = ("NS", "LPC")  # by collocation the march looks for the step to GPD itself
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Without the test of a fold's coefficient, which a linearisation has."""
@@ -148,6 +150,10 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
             return super().remarks(z, eigenvalues)
         surface = self.system.pieces.name(touched)
         return (f"the orbits touch {surface}: nonsmooth folds where `turns` is true; other events are not looked for",)
+
+    def shortcomings(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """None of touching orbits, which have no critical multiplier and no coefficient."""
+        return () if self.curve.touched is not None else super().shortcomings(z, eigenvalues)
 
 
 def ones(values: NDArray[np.complex128]) -> float:

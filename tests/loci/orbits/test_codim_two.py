@@ -84,6 +84,7 @@ def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes(meth
     np.testing.assert_allclose(folds.columns["period"], 4 * pi, rtol=1e-8)
     np.testing.assert_allclose(folds.columns["p"], -(folds.columns["q"] ** 2) / 4, atol=1e-8)
     assert folds.columns["q"].max() == pytest.approx(0.7)
+    assert sorted(end.reason for end in folds.ends) == ["bound", "joined"]
 
 
 def test_folds_of_doubled_orbits_end_at_the_degenerate_period_doubling():
