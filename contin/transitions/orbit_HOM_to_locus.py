@@ -111,7 +111,7 @@ def _passages(
         k for k in range(len(times))
         if near[k] <= near[k - 1] and near[k] < near[(k + 1) % len(times)] and near[k] < 0.1
     ]  # fmt: skip
-    minima = _merged(minima, near)
+    minima = _slowest(_merged(minima, near), near, which, visited)
     loops = []
     for k, begin in enumerate(minima):
         finish = minima[(k + 1) % len(minima)]
@@ -124,6 +124,16 @@ def _passages(
         start, end = float(times[span[outside_a[0]]]), float(times[span[outside_b[-1]]])
         loops.append((a, b, start, end if end > start else end + 1.0))
     return loops
+
+
+def _slowest(minima: list[int], near: Array, which: Array, visited: Sequence[Any]) -> list[int]:
+    """As many minima of each saddle as it has visits, the nearest ones: on its way out an orbit that turns about a
+    saddle-focus comes near it again."""
+    kept: list[int] = []
+    for saddle, about in enumerate(visited):
+        own = sorted((k for k in minima if which[k] == saddle), key=lambda k: float(near[k]))
+        kept += own[: about.visits]
+    return sorted(kept)
 
 
 def _merged(minima: list[int], near: Array) -> list[int]:

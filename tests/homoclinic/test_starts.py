@@ -135,3 +135,20 @@ def test_the_derivative_of_an_invariant_subspace_is_the_limit_of_differences():
         step = 1e-5
         pair = [left_subspace(matrix + sign * step * change, count, True, reference) for sign in (1.0, -1.0)]
         np.testing.assert_allclose(exact, (pair[0] - pair[1]) / (2 * step), atol=1e-8)
+
+
+def test_an_orbit_that_turns_about_a_saddle_focus_on_its_way_out_is_one_loop():
+    """AUTO's demo tfc, a food chain, with rates 0.048 +- 0.074 i and -0.61 at the saddle: the limit that the family's
+    last orbits tell and the connecting orbit agree to the limit's error."""
+    model = Model(
+        "chain", states={"x": -0.2, "y": -2.08, "z": 10.9}, parameters={"d1": 0.5, "d2": 0.01},
+        definitions={"X": "exp(x)", "Y": "exp(y)", "f1": "5/(1 + 3*X)", "f2": "0.1/(1 + 2*Y)"},
+        equations={"x": "1 - X - f1*Y", "y": "f1*X - d1 - f2*z", "z": "z*(f2*Y - d2)"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "d1", (0.1, 1.2))
+    family = contin.continuation(line["HB1"].switch(), "d1", (0.1, 1.2))
+    limit = next(p for p in family.points if p.type == "HOM")
+    (seed,) = limit.locus(("d1", "d2"))
+    connection = float(seed.z[-1])
+    assert abs(connection - 0.3165523032845) < 1e-9
+    assert abs(connection - limit.values["d1"]) < limit.error < 3e-6
