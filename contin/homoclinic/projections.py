@@ -19,6 +19,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.homoclinic.subspaces import left_subspace
+from contin.linalg.vectors import norm
 from contin.problems.orbits.ends.saddle_node import fold_scalar
 
 if TYPE_CHECKING:
@@ -115,13 +116,18 @@ def basis_at(curve: ConnectionLayout, u: Array, z: Array, sizes: Array, stable: 
 
 
 def turned(matrix: Array, basis: Array, reference: Array | None, changes: Array) -> Array:
-    """dL (c, n, count) for changes dM (c, n, n) of the matrix M whose right invariant subspace the basis spans."""
+    """dL (c, n, count) for changes dM (c, n, n) of the matrix M whose right invariant subspace the basis spans.
+
+    R^T L = 1 makes R^T dL = 0: what is added within the subspace changes no solution, and eigenvalues there may be zero.
+    """
     n, count = basis.shape
     if count == 0:
         return np.zeros((len(changes), n, 0))
-    across = np.eye(n) - basis @ (basis if reference is None else reference).T
+    within = basis @ (basis if reference is None else reference).T
+    across = np.eye(n) - within
     small = (basis if reference is None else reference).T @ matrix @ basis
-    whole = np.kron(np.eye(count), across @ matrix) - np.kron(small.T, np.eye(n))
+    outer = across @ matrix + 2.0 * norm(matrix.ravel()) * within
+    whole = np.kron(np.eye(count), outer) - np.kron(small.T, np.eye(n))
     right = -np.einsum("ij,cjk->cik", across, changes @ basis)
     solved = np.linalg.solve(whole, right.transpose(0, 2, 1).reshape(len(changes), -1).T).T
     return np.asarray(solved.reshape(len(changes), count, n).transpose(0, 2, 1))

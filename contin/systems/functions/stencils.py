@@ -35,6 +35,8 @@ ROUNDING: Final = {1: 1e-14, 2: 2e-15, 3: 2e-15, 4: 2e-15, 5: 2e-15}  # of a val
 def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...]:
     """Offsets and weights of the central difference for the derivative of this order on unit spacing."""
     half = HALF_WIDTHS[order] if half is None else half
+    if order < 3:  # (exact ones move coefficients of sparse systems by more than their errors tell)
+        return _solved(order, half)
     offsets, found = range(-half, half + 1), []
     for here in offsets:  # k! times the coefficient of x^k in Lagrange's polynomial, exactly: weights add up to 0
         polynomial = [Fraction(math.factorial(order))]
@@ -44,6 +46,16 @@ def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...
                 polynomial = [(below - o * same) / (here - o) for below, same in pairs]
         found.append((here, float(polynomial[order])))
     return tuple((o, weight) for o, weight in found if weight)
+
+
+def _solved(order: int, half: int) -> tuple[tuple[int, float], ...]:
+    """Weights from the equations that make powers exact; they add up to 0 to their rounding."""
+    offsets = np.arange(-half, half + 1, dtype=float)
+    powers = np.vander(offsets / half, increasing=True).T  # scaled, so that the system is well conditioned
+    right = np.zeros(len(offsets))
+    right[order] = math.factorial(order) / elementary.pow(half, order)
+    weights = np.linalg.solve(powers, right)
+    return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
 
 
 def differentiated(

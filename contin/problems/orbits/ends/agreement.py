@@ -34,7 +34,7 @@ def error_of_limit(
     error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
     settled = abs(moved) > 1e-3 * remaining
     if limit.spiral:
-        settled &= error < AGREED_SPIRAL * width and limit.doubt < max(TOLD * remaining, AGREED_SPIRAL * width)
+        settled &= error < AGREED_SPIRAL * width and limit.doubt < AGREED_SPIRAL * width
         error = max(SWINGING * error, 2.0 * limit.doubt)
     else:
         error = max(error, limit.doubt)
