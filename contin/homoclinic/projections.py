@@ -118,7 +118,7 @@ def basis_at(curve: ConnectionLayout, u: Array, z: Array, sizes: Array, stable: 
 def turned(matrix: Array, basis: Array, reference: Array | None, changes: Array) -> Array:
     """dL (c, n, count) for changes dM (c, n, n) of the matrix M whose right invariant subspace the basis spans.
 
-    R^T L = 1 makes R^T dL = 0: what is added within the subspace changes no solution, and eigenvalues there may be zero.
+    R^T L = 1 makes R^T dL = 0: what is added within the subspace changes no solution, and its eigenvalues may be zero.
     """
     n, count = basis.shape
     if count == 0:
