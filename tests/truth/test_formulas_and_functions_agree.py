@@ -97,3 +97,14 @@ def test_functions_have_the_labels_of_all_formulas():
         except pytest.skip.Exception:
             continue
     assert not complaints, "\n".join(map(str, complaints))
+
+
+def test_the_quadratic_coefficient_of_a_pitchfork_vanishes_though_null_vectors_come_from_iteration():
+    """b20 = 0 by symmetry; the eigenvector's tolerance, 1e-10, made 3e-8 of it beside an error of 1.5e-8."""
+    model = contin.load(MODELS / "metronomes" / "pair-averaged.yaml")
+    start = contin.equilibrium(model)
+    _, sparse = functions_of(model, start, "beta")
+    branch = contin.continuation(contin.equilibrium(sparse), "beta", model.parameter_range("beta"))
+    (crossing,) = [p for p in branch.points if p.type == "BP"]
+    assert abs(crossing.normal_form["b20"]) < 1e-10 * abs(crossing.normal_form["b30"])
+    assert (crossing.normal_form["kind"], crossing.normal_form["criticality"]) == ("pitchfork", "supercritical")

@@ -69,6 +69,13 @@ def unit(linear: Linear, q: Vector) -> Vector:
     return counted if linear.mass is None else np.asarray(q * (counted[k] / whole[k]))
 
 
+def null_vector(linear: Linear, near: Vector) -> Vector:
+    """x with A x = 0 to rounding from an eigenvector, which is known to the tolerance of its iteration."""
+    q = unit(linear, near)
+    solver = linear.bordered(linear.weigh(q)[:, None], q[:, None], np.zeros((1, 1)))
+    return unit(linear, np.real(solver.solve(np.append(np.zeros(len(q)), 1.0)))[:-1])
+
+
 def rounding_errors(size: Array, along: Vector, generator: np.random.Generator) -> list[Vector]:
     """What rounding of a matrix's entries may add to its product with `along`, whose terms have the sum `size`.
 

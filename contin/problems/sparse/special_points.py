@@ -228,7 +228,7 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
             return whole
     k = int(np.argmin(np.abs(spectrum.values)))
     others = np.delete(spectrum.values, k)
-    q = np.real(spectrum.vectors[:, k])
+    q = forms.null_vector(linear_at(problem, z), np.real(spectrum.vectors[:, k]))
     form = forms.branch_point(problem, z, q)
     rounding = forms.rounding_of_branch_point(problem, z, q, form)
     error = 4.0 * scatter + EPSILON * abs(float(z[-1])) + 3.0 * rounding

@@ -66,7 +66,7 @@ def coefficients(values: Sequence[Vector], order: int | None = None, whole: bool
 def derivative_on_circle(
     value: Callable[[complex], Vector], order: int, reach: float, size: int,
     taken: Callable[[float], None] | None = None, changes: Callable[[], Vector] | None = None, room: float = 1.0,
-    whole: bool = False,
+    whole: bool = False, unsure: np.random.Generator | None = None,
 ) -> Vector:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, (size,), real for real t if not `whole`; NaN where the circle is too small for
     numbers.
@@ -74,6 +74,7 @@ def derivative_on_circle(
     reach : over which t the arguments change by their own sizes.  taken : told the radius from which some component is.
     changes : by how much components do where the arguments change by their sizes in a generic direction, (size,); asked
     where the largest circle does not do.  room : how many times larger ones may be (`tiny.room`).
+    unsure : every number is off by as much as it may be by rounding then, for errors of what is made of it.
     """
     upper, _ = nodes(whole)
     best, missing = np.full(size, np.nan, complex if whole else float), np.ones(size, dtype=bool)
@@ -105,7 +106,9 @@ def derivative_on_circle(
         last, before, largest, ratio = _sizes(terms)
         return terms[order] * unit, EPS * largest * unit, _converged(last, before, ratio)
 
-    return tiny.with_more_digits(best, lost, wider, room, lambda times: taken and taken(RADIUS * reach * times))
+    ahead = lambda times: taken and taken(RADIUS * reach * times)  # noqa: E731
+    best, lost = tiny.with_more_digits(best, lost, wider, room, ahead)
+    return best if unsure is None else np.asarray(best + lost * unsure.uniform(-1.0, 1.0, size))
 
 
 def _sizes(terms: Vector) -> tuple[Array, Array, Array, Array]:

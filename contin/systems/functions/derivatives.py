@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import warnings
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -45,6 +46,7 @@ class Lines:
         errors.
     levels : how many times narrower stencils are tried; () for the usual ones.
     grain : (u, p) -> what F is off by at random (n,); None where that is rounding.
+    unsure : derivatives are off by as much as rounding may make them: alike at the same place along the same direction.
     """
 
     function: Function
@@ -54,6 +56,7 @@ class Lines:
     wider: float = 1.0
     levels: tuple[float, ...] = ()
     grain: Callable[[Array, Array], Array] | None = None
+    unsure: bool = False
     _change: GenericChange = field(default_factory=GenericChange, repr=False)
     _known: KnownLines = field(default_factory=KnownLines, init=False, repr=False)
 
@@ -92,10 +95,10 @@ class Lines:
         if self.slope is not None and order > 1:
             slope = self.slope
             ahead = lambda t: slope(u + t * along, p + t * across, v)  # noqa: E731
-            return differentiated(ahead, order - 1, reach * self.wider, self.levels, room=room)
+            return differentiated(ahead, order - 1, reach * self.wider, self.levels, room=room, unsure=self._noise(v))
         ahead = lambda t: function(u + t * along, p + t * across)  # noqa: E731
         off = 0.0 if self.grain is None else self.grain(u, p)
-        return differentiated(ahead, order, reach * self.wider, self.levels, off, room)
+        return differentiated(ahead, order, reach * self.wider, self.levels, off, room, self._noise(v))
 
     def _on_circle(self, u: Array, p: Array, v: Vector, order: int, reach: float) -> Vector:
         """`pure` of an analytic F, v real or complex: what is known of this line serves again."""
@@ -113,7 +116,9 @@ class Lines:
 
         changes = lambda: self._change.at(self.first, self.sizes, u, p)  # noqa: E731
         whole, room = np.iscomplexobj(line.v), self._room(u, p, line.v, 1.0)
-        found = derivative_on_circle(on_line, order, self.wider, n, changes=changes, room=room, whole=whole)
+        found = derivative_on_circle(
+            on_line, order, self.wider, n, changes=changes, room=room, whole=whole, unsure=self._noise(v)
+        )
         return line.turned(found, order) / (1.0 if abs(reach - 1.0) < ROUNDED else power)
 
     def functional(self, left: Functional, u: Array, p: Array, v: Array, order: int) -> float:
@@ -145,7 +150,9 @@ class Lines:
             terms = coefficients(values, order) * (math.factorial(order) / elementary.pow(r, order))
 
         room = self._room(u, p, v, reach)
-        return float(derivative_on_circle(on_line, order, reach * self.wider, 1, taken, room=room)[0]), terms
+        noise = self._noise(v)
+        found = derivative_on_circle(on_line, order, reach * self.wider, 1, taken, room=room, unsure=noise)
+        return float(found[0]), terms
 
     def form(self, u: Array, p: Array, directions: Sequence[Vector]) -> Vector:
         """D^k F[d1, ..., dk], directions (n + m,), by polarisation; complex ones of an analytic F, k >= 2."""
@@ -189,6 +196,10 @@ class Lines:
         size = np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
         largest = float(np.max(np.abs(v) / size))
         return 0.0 if largest == 0.0 else 1.0 / largest
+
+    def _noise(self, v: Vector) -> np.random.Generator | None:
+        """Errors along v, which no other direction shares."""
+        return np.random.default_rng(zlib.crc32(v.tobytes())) if self.unsure else None
 
     def _room(self, u: Array, p: Array, v: Array, reach: float) -> float:
         """How many times farther steps may go where states or parameters, those that move, are far apart in size."""

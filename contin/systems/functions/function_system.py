@@ -459,7 +459,8 @@ class FunctionSystem:
         return None if self.lines.analytic else self._otherwise(factor)
 
     def with_other_differences(self) -> tuple[Self, ...]:
-        """The same with stencils, or circles in the complex plane, of other widths; () of given derivatives."""
+        """The same with stencils, or circles in the complex plane, of other widths, off by as much as rounding may make
+        them; () of given derivatives."""
         found = [self._otherwise(factor) for factor in OTHERS] if self.lines.wider == 1.0 else []
         return tuple(one for one in found if one is not None)
 
@@ -467,7 +468,7 @@ class FunctionSystem:
         if self.model.derivative is not None:
             return None
         made = copy(self)
-        made.lines = replace(self.lines, wider=factor)
+        made.lines = replace(self.lines, wider=factor, unsure=factor in OTHERS)
         return made
 
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:

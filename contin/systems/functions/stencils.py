@@ -35,8 +35,6 @@ ROUNDING: Final = {1: 1e-14, 2: 2e-15, 3: 2e-15, 4: 2e-15, 5: 2e-15}  # of a val
 def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...]:
     """Offsets and weights of the central difference for the derivative of this order on unit spacing."""
     half = HALF_WIDTHS[order] if half is None else half
-    if order < 3:  # (exact ones move coefficients of sparse systems by more than their errors tell)
-        return _solved(order, half)
     offsets, found = range(-half, half + 1), []
     for here in offsets:  # k! times the coefficient of x^k in Lagrange's polynomial, exactly: weights add up to 0
         polynomial = [Fraction(math.factorial(order))]
@@ -48,25 +46,16 @@ def stencil(order: int, half: int | None = None) -> tuple[tuple[int, float], ...
     return tuple((o, weight) for o, weight in found if weight)
 
 
-def _solved(order: int, half: int) -> tuple[tuple[int, float], ...]:
-    """Weights from the equations that make powers exact; they add up to 0 to their rounding."""
-    offsets = np.arange(-half, half + 1, dtype=float)
-    powers = np.vander(offsets / half, increasing=True).T  # scaled, so that the system is well conditioned
-    right = np.zeros(len(offsets))
-    right[order] = math.factorial(order) / elementary.pow(half, order)
-    weights = np.linalg.solve(powers, right)
-    return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
-
-
 def differentiated(
     value: Callable[[float], Array], order: int, reach: float, levels: tuple[float, ...] = (),
-    grain: Array | float = 0.0, room: float = 1.0,
+    grain: Array | float = 0.0, room: float = 1.0, unsure: np.random.Generator | None = None,
 ) -> Array:  # fmt: skip
     """d^k/dt^k of value(t) at t = 0, an array of any shape.
 
     reach : over which t the arguments change by their own sizes.  levels : how many times narrower steps are tried.
     grain : what values are off by at random (`grain.grain`): between steps of a rounded function two stencils agree by
     chance, with nothing to see.  room : how many times wider steps may be (`tiny.room`).
+    unsure : every number is off by as much as it may be then, for errors of what is made of it.
     """
     some = np.inf if order == 1 else NEARLY
     best: Array | None = None
@@ -75,11 +64,11 @@ def differentiated(
         size = np.abs(found)
         here = apart if order == 1 else np.where(size > 0.0, apart / np.where(size > 0.0, size, 1.0), np.inf)
         if best is None:
-            best, gap, done, lost = found, here, settled, rounding
+            best, gap, done, lost, between = found, here, settled, rounding, apart
         else:
             better = ~done & (settled | (here < np.minimum(gap, some)) | ~np.isfinite(best))
             best, gap = np.where(better, found, best), np.where(better, here, gap)
-            lost = np.where(better, rounding, lost)
+            lost, between = np.where(better, rounding, lost), np.where(better, apart, between)
             done = done | settled
         if done.all():
             break
@@ -89,7 +78,11 @@ def differentiated(
         found, _, rounding, settled = _compared(value, order, reach * times, grain)
         return found, rounding, settled
 
-    return tiny.with_more_digits(best, lost, wider, room)
+    best, left = tiny.with_more_digits(best, lost, wider, room)
+    if unsure is None:
+        return best
+    off = np.where(done | (left < lost), left, np.maximum(left, between))
+    return np.asarray(best + off * unsure.uniform(-1.0, 1.0, best.shape))
 
 
 def _compared(

@@ -33,8 +33,8 @@ def room(sizes: Array, v: Vector, reach: float) -> float:
 
 def with_more_digits(
     best: Vector, lost: Array, wider: Wider, room: float, taken: Callable[[float], object] = lambda times: None
-) -> Vector:  # fmt: skip
-    """A derivative whose rounding errors are about `lost`, or what wider steps make of it.
+) -> tuple[Vector, Array]:  # fmt: skip
+    """A derivative whose rounding errors are about `lost`, or what wider steps make of it, and what those then are.
 
     wider : times -> the derivative by steps so many times as wide, its rounding errors, and where it has converged.
     taken : told the times from which some component is.
@@ -50,4 +50,4 @@ def with_more_digits(
         if better.any():
             taken(times)
         best, lost = np.where(better, found, best), np.where(better, rounding, lost)
-    return best
+    return best, lost
