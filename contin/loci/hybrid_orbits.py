@@ -19,6 +19,7 @@ from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
+from contin.loci.equilibria.march import place
 from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve
 from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, HybridOrbits, judged, renamed, solved_twice
 from contin.problems.hybrid.sampling import HybridProfile, orbit_columns
@@ -116,6 +117,10 @@ class HybridLocus(TwoParameterProblem):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return self.fixed.probe(base, length, guess, frame, settings)
+
+    def placed(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Array | None:
+        """The point of `probe`, without its tests."""
+        return place(self.fixed.near(base.z, frame), base, length, guess, frame, settings)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         """On more accurate trajectories."""

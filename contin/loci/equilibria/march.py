@@ -74,3 +74,11 @@ def probe(
 ) -> Sample | None:
     """`Problem.probe`."""
     return python_march.probe(LocusMarch(problem), base, length, guess, frame, settings)
+
+
+def place(
+    problem: CurveOfPoints, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
+) -> Array | None:
+    """The point of `probe`, without its tests."""
+    found = python_march.place(LocusMarch(problem), base, length, guess, frame, settings)
+    return None if found is None else found.z

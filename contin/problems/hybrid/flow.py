@@ -71,11 +71,11 @@ class HybridFlow:
     def forced(self) -> bool:
         return self.given.forcing is not None
 
-    @property
+    @cached_property
     def n(self) -> int:
         return len(self.model.states)
 
-    @property
+    @cached_property
     def m(self) -> int:
         return len(self.model.parameters)
 
@@ -103,8 +103,11 @@ class HybridFlow:
 
     def seen(self, u: Array, p: Array) -> Array:
         """All observables at states (T, n)."""
-        rows = np.tile(p, (len(u), 1))
-        return np.asarray(self.system.observables(np.ascontiguousarray(u), rows)).reshape(len(u), -1)
+        return np.asarray(self.system.observables(u, p)).reshape(len(u), -1)
+
+    def _seen_here(self, k: int, u: Array, p: Array) -> Array:
+        """What event k adds to the observables, at one state."""
+        return np.asarray(self.system.observables(u, p))[self._places[k] :]
 
     def heights(self, k: int, u: Array, p: Array) -> Array:
         """h of event k at states (T, n)."""
@@ -112,14 +115,14 @@ class HybridFlow:
 
     def surface(self, k: int, u: Array, p: Array) -> Surface:
         """The surface of event k at a state."""
-        row = self.seen(u[None], p)[0][self._places[k] :]
+        row = self._seen_here(k, u, p)
         gradient = row[1 : 1 + self.n + self.m]
         return Surface(float(row[0]), gradient, float(gradient[: self.n] @ self.system.value(u, p)))
 
     def jumped(self, k: int, u: Array, p: Array) -> tuple[Array, Array]:
         """The state after event k, and its derivatives by (u, p), (n, n + m)."""
         width = 1 + self.n + self.m
-        row = self.seen(u[None], p)[0][self._places[k] :]
+        row = self._seen_here(k, u, p)
         after, matrix = u.copy(), np.eye(self.n, self.n + self.m)
         for j, name in enumerate(self.model.events[k].jumps):
             at = self.model.state_names.index(name)

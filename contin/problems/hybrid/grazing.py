@@ -41,6 +41,9 @@ class OfCycles(Protocol):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """See `contin.continuation.problem.Problem`."""
 
+    def placed(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Array | None:
+        """The unknowns of `probe`, without its tests: those of doublings take third derivatives of the map."""
+
 
 BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there happens with the arc's event
 CLOSED: Final = 1e-6  # of the states' sizes: an orbit is known to this
@@ -142,16 +145,21 @@ def _last_with_cycle(
     problem: OfCycles, base: Sample, beyond: Array, length: float, frame: Frame, settings: Settings
 ) -> tuple[Sample, float] | None:
     """The last orbit of the family, within a step of this length from `base`, that has its cycle; and how far it is."""
-    low, high, found = 0.0, length, None
+
+    def at(part: float) -> tuple[Sample, float, Array, Frame, Settings]:
+        return base, part, base.z + part / length * (beyond - base.z), frame, settings
+
+    low, high = 0.0, length
     for _ in range(HALVINGS):
         if high - low <= LOCATED * length:
             break
         middle = 0.5 * (low + high)
-        sample = problem.probe(base, middle, base.z + middle / length * (beyond - base.z), frame, settings)
-        if sample is not None and problem.unexpected(sample.z) is None and problem.is_shut(sample.z):
-            low, found = middle, sample
+        z = problem.placed(*at(middle))
+        if z is not None and problem.unexpected(z) is None and problem.is_shut(z):
+            low = middle
         else:
             high = middle
+    found = problem.probe(*at(low)) if low > 0.0 else None
     return None if found is None else (found, low)
 
 

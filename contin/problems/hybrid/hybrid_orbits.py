@@ -104,6 +104,11 @@ class HybridOrbits(CycleOfEvents):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return generic.probe(self, base, length, guess, frame, settings)
 
+    def placed(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Array | None:
+        """The orbit of `probe`, without its tests."""
+        found = generic.place(self, base, length, guess, frame, settings)
+        return None if found is None else found.z
+
     def refined(self, sample: Sample, frame: Frame) -> tuple[Problem, Sample, Frame] | None:
         """On more accurate trajectories."""
         finer = HybridOrbits(replace(self.inner, system=self.map.finer()))

@@ -50,7 +50,8 @@ MASS = np.array([[2.0, 0.3, 0.0], [0.1, 1.0, 0.2], [0.0, 0.4, 3.0]])
 )
 def test_b_of_a_fold_of_cycles_whose_period_changes(residual, options, settings):
     """r moves by -w xi / (2 shear r) where the phase falls behind by xi: b = w / shear, w = 1 + shear/2."""
-    found = family(function(residual, 3, {"mu": -0.5}, **options), (-0.4, 0.1), stop_at=("LPC",), **settings)
+    settings = {"stop_at": ("LPC",), "max_step": 0.25, **settings}
+    found = family(function(residual, 3, {"mu": -0.5}, **options), (-0.4, 0.1), **settings)
     value, error = known(found["LPC1"], "b")
     assert abs(value - 2.5) < error < 1e-4
     assert abs(found["LPC1"].values["mu"] + 0.25) < found["LPC1"].error < 1e-4  # where 2 r^2 = 1
