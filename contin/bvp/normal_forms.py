@@ -12,6 +12,7 @@ point |discriminant| = |b11^2 - a02 b20| = 1 and b11 >= 0, so dp = -b30/6 x^2 al
 
 from __future__ import annotations
 
+from functools import cached_property
 from math import sqrt
 from typing import Final
 
@@ -19,6 +20,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.on_mesh import OnMesh
+from contin.linalg.linear import Solution
 from contin.records import Fields
 
 NOISE: Final = 1e-8  # of the largest part of a null vector, in the rows' own units: more is not known of the others
@@ -44,14 +46,22 @@ class Reduction:
         self.q = self.q * (1.0 if weighed[int(np.argmax(np.abs(weighed)))] >= 0.0 else -1.0)
         left = linear.factor.solve_transposed(q)
         self.left = left / np.abs(left).max()
-        least = NOISE * sizes * np.max(np.abs(self.q) / sizes)  # where q is zero, remnants of it are no unit
-        rows = linear.magnitude(np.maximum(np.abs(self.q), least))
+        self._linear, self._sizes = linear, sizes
+
+    @cached_property
+    def _rounded(self) -> Array:
+        """Moduli of the entries of p, none smaller than rounding leaves them."""
+        moduli = np.abs(self.q)
+        least = NOISE * self._sizes * np.max(moduli / self._sizes)  # where q is zero, remnants of it are no unit
+        rows = self._linear.magnitude(np.maximum(moduli, least))
         part = np.abs(self.left) * rows
-        self._rounded = np.abs(self.left) + np.where(
-            rows > 0.0, NOISE * part.max() / np.where(rows > 0.0, rows, 1.0), 0
-        )
+        rounding = np.where(rows > 0.0, NOISE * part.max() / np.where(rows > 0.0, rows, 1.0), 0)
+        return np.asarray(np.abs(self.left) + rounding)
+
+    @cached_property
+    def _bordered(self) -> Solution:
         row = self.weights * self.q
-        self._bordered = linear.bordered(self.left[:, None], row[:, None], np.zeros((1, 1)))
+        return self._linear.bordered(self.left[:, None], row[:, None], np.zeros((1, 1)))
 
     def along(self, r: Array) -> float:
         """<p, r>."""

@@ -139,6 +139,10 @@ class BoundaryBase(SingularSolutions):
 
     def _of_solutions(self, z: Array, wanted: Sequence[str] | None = None) -> dict[str, Array]:
         """`columns_of` their problem, where more parameters vary than in it."""
+        if len(z) and not np.isnan(z[:, 0]).any():  # rows of one size
+            p = np.tile(np.append(self.problem.base, 0.0), (len(z), 1))
+            p[:, list(self.places)] = z[:, : -1 - len(self.places) : -1]
+            return columns_of(self.problem, np.column_stack([z[:, : -self.behind], z[:, -1]]), p, wanted)
         inner = [self.inner(row) for row in z]
         padded = np.full((len(z), max(map(len, inner))), np.nan)
         for row, values in zip(padded, inner, strict=True):

@@ -11,12 +11,17 @@ from contin.abi import Array
 
 @dataclass(frozen=True, eq=False)
 class DenseBordered:
-    """[E'; B] with its inverse."""
+    """[E'; B] with its inverse, and E'."""
 
     residual: Array
     sign: float
     log_determinant: float
+    _jacobian: Array
     _inverse: Array
+
+    def image(self, x: Array) -> Array:
+        """E' x, both scaled."""
+        return np.asarray(self._jacobian @ x)
 
     def solve(self, right: Array) -> Array:
         return np.asarray(self._inverse @ right)
@@ -31,5 +36,5 @@ def dense_bordered(residual: Array, jacobian: Array, rows: Array) -> DenseBorder
     try:
         inverse = np.asarray(np.linalg.inv(matrix), dtype=float)
     except np.linalg.LinAlgError:  # its `sign` says so
-        return DenseBordered(residual, 0.0, 0.0, np.full_like(matrix, np.nan))
-    return DenseBordered(residual, float(sign), float(size), inverse)
+        return DenseBordered(residual, 0.0, 0.0, jacobian, np.full_like(matrix, np.nan))
+    return DenseBordered(residual, float(sign), float(size), jacobian, inverse)

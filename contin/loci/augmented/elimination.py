@@ -91,8 +91,7 @@ class Augmented:
             return np.zeros(len(self.values))
         if hasattr(self.scalars, "along"):
             return np.asarray(cast(Sloped, self.scalars).along(self.z, self.scale * x))
-        step = STEP / length * self.scale * x
-        return np.asarray((self.scalars(self.z + step) - self.scalars(self.z - step)) * (0.5 * length / STEP))
+        return differenced(self.scalars, self.z, x, self.scale)
 
     @property
     def form(self) -> Array | None:
@@ -133,6 +132,13 @@ class Augmented:
         except np.linalg.LinAlgError:  # singular: the corrector fails, in words
             return np.full(len(self.z), np.nan)
         return np.asarray(y + self.null_space @ c)
+
+
+def differenced(scalars: Scalars, z: Array, x: Array, scale: Array) -> Array:
+    """Central differences of scalars along a scaled direction x."""
+    length = norm(x)
+    step = STEP / length * scale * x
+    return np.asarray((scalars(z + step) - scalars(z - step)) * (0.5 * length / STEP))
 
 
 def null_space(inner: Bordered, count: int) -> Array:

@@ -86,6 +86,11 @@ class SparseBordered:
     def log_determinant(self) -> float:
         return self._factors.log_determinant
 
+    def image(self, x: Array) -> Array:
+        """E' x, both scaled, with zeros for what stands still."""
+        still = self.size - len(self.where)
+        return np.append((self.matrix @ x[self.where])[: len(self.residual) - still], np.zeros(still))
+
     def solve(self, right: Array) -> Array:
         still = self.size - len(self.where)
         count = len(self.residual)
