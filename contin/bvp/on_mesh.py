@@ -85,9 +85,15 @@ class OnMesh:
         return found
 
     def residual(self, x: Array) -> Array:
-        """F (n,), unscaled; NaN where it is not finite."""
-        here = self.at(x)
-        return np.full(self.n, np.nan) if here is None else here.residual
+        """F (n,), unscaled, without derivatives where they are not known already; NaN where it is not finite."""
+        for known in self._known:
+            if np.array_equal(known.x, x):
+                return known.residual
+        problem, z = self.problem, self.full(x)
+        w = self._points(z)
+        if not (np.all(np.isfinite(x)) and evaluate(problem.equations, w, z, False)):
+            return np.full(self.n, np.nan)
+        return np.append(self._local(w, z), problem.conditions(self.profile(x), problem.full_parameters(z))[0])
 
     def linear(self, x: Array) -> DirectLinear | None:
         here = self.at(x)
@@ -132,15 +138,25 @@ class OnMesh:
         conditions = problem.two.conditions.derivative(profile.u[0], profile.u[-1], p[0, :-1], *ends)
         return np.concatenate([local.ravel(), conditions])
 
+    def _points(self, z: Array) -> Any:
+        """The kernels' memory for the Gauss points."""
+        problem = self.problem
+        return new_points(problem.n, problem.points, len(self.h), problem.full_parameters(z))  # type: ignore[no-untyped-call]
+
+    def _local(self, w: Any, z: Array) -> Array:
+        """The collocation equations, evaluated already: by interval, Gauss point, function."""
+        n = self.problem.n
+        right = np.zeros((self.problem.points * n, len(self.h)))
+        residual(self.problem.equations, w, z, right, np.empty(n), np.zeros(2))
+        return -right.T.ravel()
+
     def _evaluate(self, x: Array) -> Evaluated | None:
         problem = self.problem
-        n, m, count = problem.n, problem.points, len(self.h)
+        n = problem.n
         z = self.full(x)
-        w = new_points(n, m, count, problem.full_parameters(z))  # type: ignore[no-untyped-call]
+        w = self._points(z)
         if not evaluate(problem.equations, w, z, True):
             return None
-        right = np.zeros((m * n, count))
-        residual(problem.equations, w, z, right, np.empty(n), np.zeros(2))
         g, dg = problem.conditions(self.profile(x), problem.full_parameters(z))
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(dg))):
             return None
@@ -151,7 +167,7 @@ class OnMesh:
         def linear() -> DirectLinear:
             return DirectLinear(self._matrix(fu, dg), self.factoriser, balanced=True)
 
-        return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), slope, linear)
+        return Evaluated(x.copy(), np.append(self._local(w, z), g), slope, linear)
 
     def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""

@@ -78,11 +78,11 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     if other is None:
         return unverified(type_, "it is not there on a mesh of twice as many intervals")
     sizes = problem.sizes(near.z, frame.scale)
-    apart = imperfection((mesh, x, found.left), (OnMesh(problem, other.h), other.x, other.left), sizes)
+    finer = other.mesh
+    apart = imperfection((mesh, x, found.left), (finer, other.x, other.left), sizes)
     if apart > 0.0:
         return unverified(type_, f"two branches pass each other there at a distance (equations met to {apart:.1e})")
-    finer = OnMesh(problem, other.h)
-    finer_sizes = finer.unknowns(make_scale(other.h, problem.points, sizes, 1.0, float(frame.scale[-1])))[:-1]
+    finer_sizes = finer.unknowns(make_scale(finer.h, problem.points, sizes, 1.0, float(frame.scale[-1])))[:-1]
     moved = abs(float(other.x[-1] - x[-1]))
     error = scatter + ORDER * moved + ROUNDING * abs(float(x[-1]))
     if type_ == "LP":
@@ -166,13 +166,13 @@ def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """A point x on one mesh, its residual, the direction in which the solution moves there, and how far x scatters."""
+    """A point x on a mesh, its residual, the direction in which the solution moves there, and how far x scatters."""
 
     x: Array
     residual: float
     direction: Array
     scatter: Callable[[], float]
-    h: Array  # of the mesh
+    mesh: OnMesh  # with what it knows of its last places
     left: Array | None = None  # of a branch point: the left null vector of F_u
 
 
@@ -206,7 +206,7 @@ def _fold(problem: BoundaryEquations, near: Sample, frame: Frame) -> Found | Rej
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
     mesh = OnMesh(problem, problem.profile(at.z).h)
     moving = mesh.unknowns(at.tangent) * mesh.unknowns(frame.scale)
-    return Found(mesh.unknowns(at.z), residual, moving[:-1], lambda: error, mesh.h)
+    return Found(mesh.unknowns(at.z), residual, moving[:-1], lambda: error, mesh)
 
 
 def reduction(
@@ -237,7 +237,7 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
         again = reduced.branch_point(x + PERTURBATION * frame.scale * shift, found.hessian)
         return np.inf if again is None else 4.0 * abs(float(again.z[-1] - x[-1]))
 
-    return Found(x, residual, q, scatter, mesh.h, reduced.column)
+    return Found(x, residual, q, scatter, mesh, reduced.column)
 
 
 def form_of_branch_point(
@@ -335,7 +335,9 @@ def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: 
         found = longest_part(ahead, size, STALLED, min(1.0, 4.0 * damping), SHORTEST)
         if found is None:
             return z if size < BLURRED and met_to_rounding(problem, z) else None
-        damping, z = found
+        damping, (z, left) = found
+        if damping == 1.0 and norm(left) < ACCURATE:
+            return _moved(z, scale, left, value)
         before = size if damping == 1.0 else np.inf
     return None
 
@@ -380,15 +382,17 @@ def met_to_rounding(problem: BoundaryEquations, z: Array) -> bool:
 
 def _ahead(
     problem: BoundaryEquations, here: Condensed, z: Array, scale: Array, step: Array, value: float, part: float
-) -> tuple[float, Array] | None:
-    """The length of the next step after a part of this one, and the place; 0 where a step has worked although the next
-    one is no shorter: F_u is nearly singular there."""
+) -> tuple[float, tuple[Array, Array]] | None:
+    """The length of the next step after a part of this one, the place, and that step by the same factors; the length is
+    0 where a step has worked although the next one is no shorter: F_u is nearly singular there."""
     there = _moved(z, scale, part * step, value)
     left = residual_at(problem, there)
     if left is None:
         return None
-    again = norm(here.solve(np.append(-left, 0.0)))
-    return 0.0 if again < BLURRED and norm(left) < FALLEN * norm(here.residual) else again, there
+    further = here.solve(np.append(-left, 0.0))
+    again = norm(further)
+    works = again < BLURRED and norm(left) < FALLEN * norm(here.residual)
+    return 0.0 if works else again, (there, further)
 
 
 def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:
