@@ -7,9 +7,13 @@ import pytest
 
 from contin import api
 from contin.model.model import Model
+from contin.problems.orbits.linearised import bordered
+from contin.problems.orbits.linearised.bordered import factors
+from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
+from contin.problems.orbits.normal_forms.normal_form import coefficient
 
 
-def test_coefficient_of_a_fold_of_cycles_with_shear():
+def test_coefficient_of_a_fold_of_cycles_with_shear(monkeypatch):
     """r' = r (b + s - s^2), theta' = 1 + s, s = r^2: fold at b = -1/4, s = 1/2.
 
     The phase tau = theta / w0 has tau' = 1 + (w1 / w0) (r - r0), w0 = 3/2, w1 = 2 r0, so xi = -(w1 / w0) (r - r0) and
@@ -22,7 +26,18 @@ def test_coefficient_of_a_fold_of_cycles_with_shear():
     )  # fmt: skip
     line = api.continuation(api.equilibrium(model), "b", (-1.0, 1.0))
     family = api.continuation(line["HB1"].switch(), "b", (-1.0, 1.0))
-    assert family["LPC1"].normal_form["b"] == pytest.approx(1.5, rel=1e-6)
+    point = family["LPC1"]
+    assert point.normal_form["b"] == pytest.approx(1.5, rel=1e-6)
+    made = []
+
+    def counted(matrix):
+        made.append(matrix)
+        return factors(matrix)
+
+    monkeypatch.setattr(bordered, "factors", counted)
+    solved = SolvedOrbit(point.z, 0.0, 0.0, 0.0, np.zeros((0, 1)), point.scale)
+    assert coefficient(family.problem, "LPC", solved).value.real == pytest.approx(1.5, rel=1e-6)
+    assert len(made) == 4  # three for two borders; that of one is known from these
 
 
 def test_coefficient_of_a_fold_of_cycles_of_constant_period():

@@ -22,6 +22,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.continuation.outcome import Verified
 from contin.kernels.collocation_basis import basis
+from contin.linalg.vectors import norm
 from contin.normalforms import cycles
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.result import sense
@@ -98,6 +99,12 @@ class Variation:
         found = Bordered.of(self.matrix, 1, self.known.get(self.name))
         self.known[self.name] = found.b, found.c
         return found
+
+    def begin(self, right: Vector, g: Vector, left: Vector) -> None:
+        """Borders from a solution with two of them, B right = -b g: next to the null vectors already."""
+        u, _, v = np.linalg.svd(g)
+        pair = left @ u[:, -1:], right @ v[-1:].T
+        self.known[self.name] = pair[0] / norm(pair[0][:, 0]), pair[1] / norm(pair[1][:, 0])
 
     @cached_property
     def null(self) -> tuple[Vector, Vector]:
@@ -209,7 +216,8 @@ class Forms:
         linear, periodic = self.linear, self.equation(1.0)
         if not self.autonomous:
             return self.normalised(periodic.null[0]), periodic.null[1]
-        right, _, left = Bordered.of(periodic.matrix, 2).solve()
+        right, g, left = Bordered.of(periodic.matrix, 2).solve()
+        periodic.begin(right, g, left)
         a, b = np.linalg.qr(right)[0].T
         q = self._mean(periodic.raw(b), linear.field) * a - self._mean(periodic.raw(a), linear.field) * b
         if periodic.remainder(q) > SHEARLESS:
