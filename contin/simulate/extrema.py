@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 FINER: Final = 32  # samples between two samples, around an extreme one
 LEVELS: Final = 5  # looks, each so much finer
-GAINED: Final = 1e-9  # of a column's range: a look that has found no more at its end is the last one,
+GAINED: Final = 1e-9  # of a column's range: a look after which less than this is left to gain is the last one,
 FLAT: Final = 1e-9  # ... and so is the first one of a column that is constant to this part of its size
+ORDER: Final = (FINER / 2.0) ** 4  # what a parabola misses shrinks by this from look to look
+TURNS: Final = 32  # rows beside which an extreme is looked for, at most
 ALIKE: Final = 0.5  # second differences of neighbours that differ by less are those of a smooth function
 
 
@@ -32,21 +34,38 @@ def extremes(values: Array) -> tuple[Array, Array]:
 def extremes_between(t: Array, values: Array, at: Callable[[Array], Array]) -> tuple[Array, Array]:
     """The same of a function of time: `at(times)` gives values of all columns there, times (T,) ascending.
 
-    It is looked at finer between the neighbours of an extreme row, and again where that does not resolve it. There the
-    smooth ones take a parabola; what jumps or has a corner takes its largest sample. With 13 samples a turn and 32
-    times as many around the extreme, a sine's error is below 1e-9 of its amplitude.
+    It is looked at finer between the neighbours of rows that may be beside the extreme (`_candidates`: the largest
+    sample need not be in the turn that goes highest), and again until the extreme stays where it is. There the smooth
+    ones take a parabola; what jumps or has a corner takes its largest sample.
     """
     smallest, largest = extremes(values)
     spread = largest - smallest
     finer: dict[int, tuple[Array, Array]] = {}
     for column in range(values.shape[1]):
         for result, sign in ((smallest, -1.0), (largest, 1.0)):
-            row = int(np.argmax(sign * values[:, column]))
-            if row not in finer:
-                finer[row] = _around(t, row, at)
-            best = _climbed(*finer[row], at, column, sign, sign * result[column], spread[column])
+            best = sign * result[column]
+            for row in _candidates(sign * values[:, column], spread[column]):
+                if row not in finer:
+                    finer[row] = _around(t, row, at)
+                best = _climbed(*finer[row], at, column, sign, best, spread[column])
             result[column] = sign * best
     return smallest, largest
+
+
+def _candidates(values: Array, spread: float) -> list[int]:
+    """Rows beside which a function with these equally spaced samples may be largest: first the largest sample's.
+
+    Others are as high as their neighbours. A parabola reaches an eighth of its bend (the second difference) above its
+    largest sample, or less; twice that is allowed to functions that are none between samples.
+    """
+    largest = int(np.argmax(values))
+    if len(values) < 3 or not np.all(np.isfinite(values)) or not spread > FLAT * float(np.abs(values).max()):
+        return [largest]
+    rises, bends = np.diff(values), np.abs(np.diff(values, 2))
+    tops = np.flatnonzero(np.append(True, rises >= 0.0) & np.append(rises <= 0.0, True))
+    reach = values[tops] + 0.25 * np.concatenate([bends[:1], bends, bends[-1:]])[tops]
+    order = np.argsort(-reach, kind="stable")[:TURNS]
+    return [largest, *(k for k in tops[order[reach[order] > values[largest]]].tolist() if k != largest)]
 
 
 def _around(t: Array, row: int, at: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -62,19 +81,24 @@ def _around(t: Array, row: int, at: Callable[[Array], Array]) -> tuple[Array, Ar
 def _climbed(
     times: Array, values: Array, at: Callable[[Array], Array], column: int, sign: float, best: float, spread: float
 ) -> float:  # fmt: skip
-    """The largest sign * value of a column near the largest of these, `best` without them."""
+    """The largest sign * value of a column near the largest of these, or `best` where that is larger."""
+    before = np.inf  # where the last look has seen the top
     for _ in range(LEVELS):
         seen = sign * values[:, column] if values.size else np.empty(0)
         if not len(seen) or not np.all(np.isfinite(seen)):
             return best
         found, row = top(seen), int(np.argmax(seen))
-        gained, best = found - best, max(best, found)
+        before, moved = found, abs(found - before)
         beside = [seen[k] for k in (row - 1, row + 1) if 0 <= k < len(seen)]
-        rises = len(beside) == 2 or gained > GAINED * spread  # at an end the function may just end
-        if is_resolved(seen) or not rises or seen[row] in beside or not spread > FLAT * abs(best):
-            return best
+        if is_resolved(seen):
+            last = moved <= ORDER * GAINED * spread
+        else:  # at an end the function may just end
+            last = seen[row] in beside or not (len(beside) == 2 or found - best > GAINED * spread)
+            best = max(best, found)
+        if last or not spread > FLAT * abs(best):
+            return max(best, found)
         times, values = _around(times, row, at)
-    return best
+    return max(best, before)
 
 
 def top(values: Array) -> float:

@@ -21,6 +21,7 @@ from contin.problems.neutral_pairs import remarks_on_orbits
 from contin.problems.orbits.ends.ends import foretold
 from contin.problems.orbits.ends.multiply_traversed import cut_where_traversed
 from contin.problems.orbits.ends.vertical import recounted, remarks, stands_at_birth, width_at_birth
+from contin.problems.orbits.linearised import lost_growth
 from contin.problems.orbits.linearised.linear import branch_tangents
 from contin.problems.orbits.march import in_kernel
 from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
@@ -161,10 +162,10 @@ class OrbitProblem(OrbitEquations):
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
-        """That the family is vertical, or neutral, its mesh too coarse, or its frame without a phase."""
+        """That the family is vertical or neutral, its mesh too coarse (or growth lost), its frame without a phase."""
         framed = remarks_on_frame(self.system, self.profile(z[-1]).u)
-        mesh = coarse.remark(self, z)
-        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues), *([mesh] if mesh else []), *framed)
+        resolved = (coarse.remark(self, z), lost_growth.remark(self, z, eigenvalues))
+        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues), *filter(None, resolved), *framed)
 
     def recounted(
         self, z: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
