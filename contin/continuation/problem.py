@@ -21,6 +21,7 @@ from contin.continuation.choices import Choices
 from contin.continuation.outcome import NOTHING, Corner, Jump, Outcome, Verified
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
+from contin.continuation.together import Together
 
 WITHOUT_STABILITY: Final = frozenset({"bvp", "algebraic"})  # kinds of solutions that are no states of a flow or map
 
@@ -264,6 +265,10 @@ class Problem(ABC):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         """Events that coincide: a and b are indistinguishably close, on either side."""
         return ()
+
+    def together(self, a: Sample, b: Sample) -> Together | None:
+        """Multipliers that are equal to rounding and pass together, where they are all that changes between a and b."""
+        return None
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""

@@ -19,6 +19,11 @@ SEVERAL_MULTIPLIERS: Final = {
     "PD": "PD: several multipliers pass -1 at once, for which there is no normal form here; the doubled cycles are "
     "those through the branch point of the map applied twice",
 }
+OF_ORBITS: Final = {
+    "NS": "NS: {count} pairs of multipliers cross at once, for which there is no normal form here",
+    "PD": "PD: {count} multipliers pass -1 at once, for which there is no normal form here",
+    "BPC": "BPC: {count} multipliers pass 1 at once: the families that cross there were not told apart",
+}
 SAME: Final = 1e-6  # distance in the metric within which two events are at one place
 
 

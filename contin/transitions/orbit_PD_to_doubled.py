@@ -16,6 +16,7 @@ from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.layout import Profile, make_scale
 from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import Explored, born
+from contin.transitions.several_multipliers import refuse_several
 
 CASCADE: Final = Explored(generation=True, cascade=True, crowded=True)
 
@@ -23,6 +24,7 @@ CASCADE: Final = Explored(generation=True, cascade=True, crowded=True)
 @born(OrbitProblem, "PD", "the orbits of twice the period", explored=CASCADE)
 def doubled(problem: OrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the doubled orbits, with any parameter free that moves the point."""
+    refuse_several(point, "the families of twice the period are not told apart")
     return [_doubled(*in_another(problem, point, parameter))]
 
 

@@ -15,11 +15,13 @@ from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.transitions.orbit_PD_to_doubled import CASCADE
 from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import born
+from contin.transitions.several_multipliers import refuse_several
 
 
 @born(ShootingProblem, "PD", "the orbits of twice the period", explored=CASCADE)
 def doubled_by_shooting(problem: ShootingProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the doubled orbits, with any parameter free that moves the point."""
+    refuse_several(point, "the families of twice the period are not told apart")
     return [_doubled(*in_another(problem, point, parameter))]
 
 

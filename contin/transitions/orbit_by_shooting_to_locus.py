@@ -17,6 +17,7 @@ from contin.machine import elementary
 from contin.problems.shooting.shot_orbits import ShootingProblem
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
+from contin.transitions.several_multipliers import refuse_several
 from contin.transitions.special_orbits import seed_of
 
 
@@ -36,6 +37,8 @@ def loci_of_shot_orbit(problem: ShootingProblem, point: SpecialPoint, parameters
     """The curve through a fold, branch point, period doubling or torus bifurcation of a family of orbits."""
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
         return [_touching(problem, point, parameters)]
+    if point.type != "BPC":
+        refuse_several(point, "its curve in two parameters is not followed")
     further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     free = problem.free()  # the condition's derivatives are those of directions across the fixed space, too
     return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, free, point.z, point, parameters, further)]

@@ -13,11 +13,13 @@ from contin.problems.large_orbits.branch_points import null_vector
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
 from contin.problems.large_orbits.large_orbit_equations import Memory
 from contin.transitions.registry import Explored, born
+from contin.transitions.several_multipliers import refuse_several
 
 
 @born(LargeOrbitProblem, "BPC", "the family that crosses", explored=Explored(orbits=True))
 def crossing(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The family that crosses, along the null vector that is not the own tangent."""
+    refuse_several(point, "the families that cross there are not told apart")
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
     problem = replace(problem, memory=Memory())
@@ -31,6 +33,7 @@ def crossing(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) ->
 @born(LargeOrbitProblem, "PD", "the doubled orbits", explored=Explored(orbits=True))
 def doubled(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Orbits of twice the period, along the vector that changes its sign in one."""
+    refuse_several(point, "the families of twice the period are not told apart")
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
     sweeps, q = problem.sweeps(point.z), np.real(point.vectors["q"])

@@ -14,6 +14,7 @@ from contin.machine import elementary
 from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.transitions.registry import born
+from contin.transitions.several_multipliers import refuse_several
 from contin.transitions.special_orbits import seed_of
 
 
@@ -30,5 +31,6 @@ def isoperiodic(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence
 @born(OrbitProblem, "LPC PD NS BPC", "the curve of such orbits", parameters=2)
 def loci_of_orbit(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve through a fold, branch point, period doubling or torus bifurcation of a family of orbits."""
+    refuse_several(point, "its curve in two parameters is not followed")
     further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     return [seed_of(partial(OrbitCurve, point.type), OrbitLocusProblem, problem, point.z, point, parameters, further)]

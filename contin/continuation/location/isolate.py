@@ -25,6 +25,7 @@ from contin.continuation.location.both_sides import (
     untold,
     vanishes_linearly,
 )
+from contin.continuation.location.coinciding import located
 from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, exactly, noted, where
 from contin.continuation.location.lost_digits import turning_alone, unresolved
 from contin.continuation.location.rest_of_step import (
@@ -77,6 +78,13 @@ def isolate(
             yield _lost(stretch, a)
             return
     width = stretch.distance(a, b)
+    equal = stretch.problem.together(a, b) if width > COINCIDENT and depth < DEPTH else None
+    if equal is not None:
+        low, high, item = located(stretch, a, b, equal)
+        yield from isolate(stretch, a, low, depth + 1, beside)
+        yield item
+        yield from isolate(stretch, high, b, depth + 1, beside)
+        return
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found) and any(_is_one(stretch, verified.point, known) for known in beside):

@@ -21,10 +21,12 @@ from contin.continuation.outcome import Outcome, Verified, unverified
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
+from contin.continuation.together import Together
 from contin.errors import InputError
 from contin.linalg.linear import DirectLinear
 from contin.linalg.vectors import norm
 from contin.machine import elementary
+from contin.problems.equal_multipliers import passing_together
 from contin.problems.large_orbits import branch_points, coarse_birth, events, fast_modes
 from contin.problems.large_orbits.from_starts import FromStarts
 from contin.problems.large_orbits.large_orbit_equations import TOLERANCE, LargeOrbitEquations
@@ -165,6 +167,9 @@ class LargeOrbitProblem(LargeOrbitEquations):
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(a, b)
+
+    def together(self, a: Sample, b: Sample) -> Together | None:
+        return passing_together(a, b, True, ("NS", "PD", "BPC"))
 
     def test_of(self, type_: str) -> int | None:
         return {"LPC": 0, "NS": 2, "PD": 3, "BPC": 4}.get(type_)

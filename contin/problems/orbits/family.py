@@ -15,8 +15,10 @@ from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Verified
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
+from contin.continuation.together import Together
 from contin.machine import elementary
 from contin.problems.algebraic_states import finite_multipliers
+from contin.problems.equal_multipliers import passing_together
 from contin.problems.moved_along import distance_name
 from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.orbits.measured.columns import names_of
@@ -192,6 +194,10 @@ class FamilyOfOrbits(InOneParameterProblem):
     def is_one(self, one: Profile, other: Profile) -> bool:
         """True where two orbits agree in period, extent and place, whatever their phases."""
         return alike(one, other, self.winding, self.state_periods)
+
+    def together(self, a: Sample, b: Sample) -> Together | None:
+        """NS and PD: of several at 1 the bordered equations are solved (BPC)."""
+        return None if self.system.n_switches else passing_together(a, b, self.autonomous, ("NS", "PD"))
 
     def test_of(self, type_: str) -> int | None:
         return None if type_ == "flat" else test_on_branch(type_)

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample, opposite
 from contin.machine import elementary
+from contin.problems.equal_multipliers import is_repeated
 from contin.problems.equilibria import special_points
 from contin.problems.orbits.ends.vertical import (
     NOISE,
@@ -111,6 +112,8 @@ def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> O
         if type_ == "neutral":
             return Rejected("a pair of multipliers touches the unit circle without a change of the unstable count")
         theta = float(elementary.angle(pair))
+        if is_repeated(nontrivial(problem, near.eigenvalues), pair):  # its equations are singular there
+            return Rejected("NS: several pairs of multipliers are equal there, and none is told from the others")
     if type_ in ("LPC", "BPC") and _at_rest(problem, near.z, frame):
         return NOTHING
     if type_ == "PD" and _orientable(problem, near.z):
@@ -214,6 +217,7 @@ def verify_compound(problem: OrbitEquations, a: Sample, b: Sample, frame: Frame)
     values = nontrivial(problem, a.eigenvalues)
     if any(v.imag > 1e-6 and abs(abs(v) - 1.0) < CRITICAL for v in values):
         found.append(verify(problem, "NS", a, frame))
-    if not found and a.unstable != b.unstable and branches == folds:
+    near_one = distance(values, critical("BPC", 0.0)) < UNCLEAR
+    if not found and a.unstable != b.unstable and branches == folds and near_one:
         found.append(verify(problem, "BPC", a, frame))
     return found
