@@ -39,6 +39,7 @@ from contin.continuation.location.sameness import same_point
 from contin.continuation.outcome import NOTHING, Jump, Nothing, Outcome, Rejected, Verified, unverified
 from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Sample, opposite
+from contin.continuation.together import Together
 from contin.linalg.vectors import norm
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
@@ -80,10 +81,7 @@ def isolate(
     width = stretch.distance(a, b)
     equal = stretch.problem.together(a, b) if width > COINCIDENT and depth < DEPTH else None
     if equal is not None:
-        low, high, item = located(stretch, a, b, equal)
-        yield from isolate(stretch, a, low, depth + 1, beside)
-        yield item
-        yield from isolate(stretch, high, b, depth + 1, beside)
+        yield from _equal(stretch, a, b, equal, depth, beside)
         return
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
@@ -113,6 +111,21 @@ def isolate(
         yield from _compound(stretch, a, b, "changes that could not be told apart")
         return
     stretch.halved.append(width)
+    yield from _halves(stretch, a, b, depth, beside)
+
+
+def _equal(
+    stretch: Stretch, a: Sample, b: Sample, equal: Together, depth: int, beside: tuple[Verified, ...]
+) -> Iterator[Found | Note]:
+    """Multipliers that pass together, and the rest of the step on both sides of them."""
+    low, high, item = located(stretch, a, b, equal)
+    yield from isolate(stretch, a, low, depth + 1, beside)
+    yield item
+    yield from isolate(stretch, high, b, depth + 1, beside)
+
+
+def _halves(stretch: Stretch, a: Sample, b: Sample, depth: int, beside: tuple[Verified, ...]) -> Iterator[Found | Note]:
+    """All events of two parts of an interval; what coincides where there is no point in between that tells."""
     middle: Sample | None = None
     for fraction in (0.5, 0.382, 0.618, 0.25, 0.75):
         middle = stretch.between(a, b, fraction) or middle
