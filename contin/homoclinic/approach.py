@@ -123,7 +123,7 @@ class _Seen:
     last: Rest | Cycle
     sizes: Array
     tree: cKDTree
-    home: cKDTree
+    home: cKDTree  # of an orbit that returns to its own end the same one
     own: float  # extent of the second end, or of both
     times: Array
     turn: float  # time of one turn beside the second end
@@ -142,14 +142,16 @@ class _Seen:
         shortest = min(end.period for end in (first, last) if isinstance(end, Cycle))
         times = np.linspace(0.0, longest, int(PER_TURN * longest / shortest) + 2)
         turn = last.period if isinstance(last, Cycle) else shortest
-        return cls(system, p, last, sizes, cKDTree(target), cKDTree(ends[0] / sizes), own, times, turn)
+        tree = cKDTree(target)
+        home = tree if np.array_equal(*ends) else cKDTree(ends[0] / sizes)
+        return cls(system, p, last, sizes, tree, home, own, times, turn)
 
     def from_(self, departure: Departure, until: float = np.inf) -> list[Approach]:
         """Approaches of one trajectory, of whose extent the gap is a part; late ones have a higher rank."""
         start, phase = departure.starts(departure.place)
         path = until_lost(self.system, start, self.p, self.times[self.times <= until])
         gaps, places = self.tree.query(path / self.sizes)
-        gone = np.maximum.accumulate(self.home.query(path / self.sizes)[0])
+        gone = np.maximum.accumulate(gaps if self.home is self.tree else self.home.query(path / self.sizes)[0])
         extent = np.maximum(self.own, gone)
         inside = np.arange(1, len(gaps) - 1)
         minima = inside[(gaps[inside] <= gaps[inside - 1]) & (gaps[inside] < gaps[inside + 1])]

@@ -28,12 +28,18 @@ def start(lorenz, cycles):
     return contin.connection(lorenz, ORIGIN, at[24.2]), contin.connection(lorenz, ORIGIN, at[23.8])
 
 
-def test_the_origin_is_connected_with_a_cycle_where_the_attractor_is_born(start, lorenz):
+@pytest.fixture(scope="module")
+def seeds(start):
+    """The connecting orbits from there, found once."""
+    return [one.locus(("rho", "s"))[0] for one in start]
+
+
+def test_the_origin_is_connected_with_a_cycle_where_the_attractor_is_born(seeds, lorenz):
     """rho = 24.0579 (Doedel, Kooi, van Voorn and Kuznetsov 2008), from cycles on both sides of it.
 
     Trajectories that leave the origin come to rest below (inside of the cycle's stable manifold), and do not above.
     """
-    found = [float(one.locus(("rho", "s"))[0].z[-1]) for one in start]
+    found = [float(seed.z[-1]) for seed in seeds]
     assert found[0] == pytest.approx(24.0579, abs=5e-5)
     assert found[0] == pytest.approx(found[1], abs=1e-8)
     from contin.lowering.system import compile_system
@@ -50,9 +56,9 @@ def test_the_origin_is_connected_with_a_cycle_where_the_attractor_is_born(start,
     assert inside == [True, False]
 
 
-def test_the_curve_in_two_parameters(start):
+def test_the_curve_in_two_parameters(seeds):
     branch = contin.continuation(
-        start[0], ("rho", "s"), {"rho": (20, 28), "s": (9.5, 10.5)}, values={"s": [10.2]}, settings={"max_step": 1.0}
+        seeds[0], ("rho", "s"), {"rho": (20, 28), "s": (9.5, 10.5)}, values={"s": [10.2]}, settings={"max_step": 1.0}
     )
     assert (branch.locus, branch.problem.parameters) == ("HOM", ("rho", "s"))
     assert {end.text for end in branch.ends} == {"s reached 9.5", "s reached 10.5"}
@@ -79,8 +85,8 @@ def at_s(start, s=10.0):
 
 
 @pytest.fixture(scope="module")
-def at_ten(start):
-    return at_s(start[0])
+def at_ten(seeds):
+    return at_s(seeds[0])
 
 
 @pytest.mark.parametrize("truncation", [1e-2, pytest.param(1e-3, marks=pytest.mark.long)])
@@ -93,11 +99,10 @@ def test_ends_that_are_farther_from_the_cycle_state_larger_errors(lorenz, cycles
     assert 0.0 < at_ten.error < 1e-8 < far.error < truncation
 
 
-def test_samples_of_an_orbit_are_enough(lorenz, cycles, start, at_ten):
+def test_samples_of_an_orbit_are_enough(lorenz, cycles, seeds, at_ten):
     """An orbit at rho = 24.0579, from a table that is only roughly right."""
     point = next(point for point in cycles.points if point.type == "UZ" and point.values["rho"] > 24)
-    seed = start[0].locus(("rho", "s"))[0]
-    profile = seed.problem.orbit_at(seed.z)
+    profile = seeds[0].problem.orbit_at(seeds[0].z)
     s = np.linspace(0.0, 1.0, 801)
     rough = np.round(profile.at(s), 2)
     found = at_s(contin.connection(lorenz, ORIGIN, point, samples=(s * profile.period, rough)))
