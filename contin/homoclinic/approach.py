@@ -143,7 +143,7 @@ class _Seen:
         times = np.linspace(0.0, longest, int(PER_TURN * longest / shortest) + 2)
         turn = last.period if isinstance(last, Cycle) else shortest
         tree = cKDTree(target)
-        home = tree if np.array_equal(*ends) else cKDTree(ends[0] / sizes)
+        home = tree if np.array_equal(ends[0], ends[1]) else cKDTree(ends[0] / sizes)
         return cls(system, p, last, sizes, tree, home, own, times, turn)
 
     def from_(self, departure: Departure, until: float = np.inf) -> list[Approach]:

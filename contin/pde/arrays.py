@@ -87,7 +87,9 @@ class ArrayFormulas:
         with np.errstate(all="ignore"):  # what is not finite is told where it matters
             for k, function, arguments in self._steps:
                 done[k] = function(*[done[a] for a in arguments])
-            return [np.broadcast_to(np.asarray(done[root]), size) for root in self._roots]
+            shape = size if isinstance(size, tuple) else (size,)
+            found = [np.asarray(done[root]) for root in self._roots]
+            return [x if x.shape == shape else np.broadcast_to(x, shape) for x in found]
 
 
 def _constant(node: Expression) -> float:

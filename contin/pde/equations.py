@@ -136,8 +136,7 @@ class Discretised:
         rated = [x for rate in rates for x in rate.values()]
         out = np.empty(u.shape, np.result_type(u, float, *p.values(), *rated, *(v for v, _ in directions)))
         for places, local in self._equations:
-            jet = local.jet(_slot_jets(local, jet_u, b, g), p, rates, whole)
-            out[places] = _spread(jet[whole], u)
+            out[places] = _spread(local.along_all(_slot_jets(local, jet_u, b, g), p, rates, whole), u)
         return out
 
     def fields(self, u: Array, p: Values) -> dict[str, Array]:

@@ -66,17 +66,35 @@ class LocalFormula:
     def jet(self, slots: Sequence[Jet], p: Values, rates: Sequence[Mapping[str, float]], wanted: frozenset[int]) -> Jet:
         """Derivatives along all subsets of `wanted`; rates[k] are those of the parameters along direction k."""
         here = [s[NOTHING] for s in slots]
+        every = subsets(wanted)
+        found = self._derivatives(every, slots, p, rates, wanted)
+        return {NOTHING: self.value(here, p), **dict(zip(every, found, strict=True))}
+
+    def along_all(
+        self, slots: Sequence[Jet], p: Values, rates: Sequence[Mapping[str, float]], whole: frozenset[int]
+    ) -> Vector:
+        """What `jet` has for `whole`, the derivative along all of these directions; the value where there are none."""
+        if not whole:
+            return self.value([s[NOTHING] for s in slots], p)
+        return self._derivatives((whole,), slots, p, rates, whole)[0]
+
+    def _derivatives(
+        self, of: Sequence[frozenset[int]], slots: Sequence[Jet], p: Values, rates: Sequence[Mapping[str, float]],
+        wanted: frozenset[int],
+    ) -> list[Vector]:  # fmt: skip
+        """Those along some subsets of `wanted`."""
+        here = [s[NOTHING] for s in slots]
         named, shape = self._named(here, p), self.shape(here)
-        out: Jet = {NOTHING: self._value(named, shape)[0]}
         along = {block: self._along(block, slots, rates) for block in subsets(wanted)}
         moving = {block for block, changes in along.items() if any(np.any(x) for x in changes)}
-        for subset in along:
+        found = []
+        for subset in of:
             total: Vector = np.zeros(shape)
             for blocks in partitions(subset):
                 if moving.issuperset(blocks):
                     total = total + self._form([along[block] for block in blocks], named, shape)
-            out[subset] = total
-        return out
+            found.append(total)
+        return found
 
     def _along(
         self, block: frozenset[int], slots: Sequence[Jet], rates: Sequence[Mapping[str, float]]

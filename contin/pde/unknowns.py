@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,9 +59,14 @@ class LinearMap:
     def __call__(self, u: Vector | None, b: Vector, g: Vector | None) -> Vector:
         """s, without what is given as None."""
         total = self.T @ b if u is None else self.S @ u
-        if u is not None and self.T.nnz:
+        if u is not None and self._counts[0]:
             total = total + self.T @ b
-        return np.asarray(total + self.G @ g if g is not None and self.G.nnz else total)
+        return np.asarray(total + self.G @ g if g is not None and self._counts[1] else total)
+
+    @cached_property
+    def _counts(self) -> tuple[int, int]:
+        """Entries of T and G, which scipy counts anew each time."""
+        return int(self.T.nnz), int(self.G.nnz)
 
     def rows(self, nodes: NDArray[np.intp]) -> LinearMap:
         """The same at some nodes."""
