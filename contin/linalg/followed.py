@@ -75,6 +75,12 @@ def followed(
     return None
 
 
+def estimates(linear: Linear, vectors: NDArray[np.complex128], symmetric: bool) -> Vector:
+    """About the eigenvalues, to second order (symmetric) or first, whose vectors are near the given ones (n, k)."""
+    space = RitzSpace.of(linear, orthonormal(_real_rows(vectors)))
+    return space.rightmost(vectors.shape[1], symmetric)[0]
+
+
 def improved(
     linear: Linear, precondition: Callable[[Array], Array], rate: float, vectors: NDArray[np.complex128]
 ) -> Spectrum:

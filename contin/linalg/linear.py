@@ -207,10 +207,11 @@ class KrylovLinear:
         if self.exact and self.precise is not None:
             return self.precise.solve(right)
         x, used, residual = gmres(self.apply, self.precondition, right, tolerance or self.attainable)
-        if residual > ACCURATE and np.all(np.isfinite(x)) and right.any():  # A is nearly singular, and x large
+        enough = max(ACCURATE, tolerance)
+        if residual > enough and np.all(np.isfinite(x)) and right.any():  # A is nearly singular, and x large
             floor = EPSILON * norm(self.magnitude(np.abs(x))) / norm(right)
             residual = ACCURATE if residual <= SEVERAL * floor else residual
-        return self._finish((x, used, residual))
+        return self._finish((x, used, residual), enough)
 
     def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
         return KrylovBordered(self, columns, rows, corner, COARSE if coarse else self.attainable)

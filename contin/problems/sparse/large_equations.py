@@ -14,9 +14,10 @@ from contin.abi import Array, Vector
 from contin.continuation import corrector
 from contin.linalg.beside_zero import Nearest, beside_zero, by_approximation
 from contin.linalg.copies import ROUNDINGS, SMALL, every, rounding_of
-from contin.linalg.eigen import FEWEST, Spectrum
+from contin.linalg.eigen import FEWEST, MARGIN, Spectrum
 from contin.linalg.far_from_zero import WATCHED, with_far_ones
 from contin.linalg.followed import followed
+from contin.linalg.grown import with_grown_ones
 from contin.linalg.inertia import positive_eigenvalues
 from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.pencil import OnRange
@@ -164,7 +165,8 @@ class LargeEquations(InOneParameterProblem):
             unbounded = linear.matrix is None and (first or at_zero)
         else:
             unbounded = not self._bounded(linear)
-        nearest = self._nearest(linear, start, radius, UNBOUNDED if unbounded else FEWEST, at_zero)
+        known = 0.0 if symmetric and linear.mass is None and not first else work.reach  # see `_with_grown_ones`
+        nearest = self._nearest(linear, start, radius, known, UNBOUNDED if unbounded else FEWEST, at_zero)
         found = nearest.found
         if linear.matrix is not None and not found.certain:
             if n <= WHOLE:
@@ -181,7 +183,10 @@ class LargeEquations(InOneParameterProblem):
             reach = max(reach, small, ROUNDINGS * rounding_of(nearest.inverse, n))
         if isinstance(nearest.inverse, OnRange):  # every vector costs solves more
             nearest = replace(nearest, found=_telling(found, reach))
-        near = self._kept(nearest.with_copies(n, reach).spectrum(), TURNING if linear.matrix is None else WATCHED)
+        whole = nearest.with_copies(n, reach).spectrum()
+        if symmetric and linear.mass is None and not first:
+            whole = self._with_grown_ones(linear, nearest, whole)
+        near = self._kept(whole, TURNING if linear.matrix is None else WATCHED)
         return self._with_far_ones(linear, near)
 
     def _followed(
@@ -199,22 +204,38 @@ class LargeEquations(InOneParameterProblem):
         if found is None or int(np.sum(found.values.real <= 0.0)) < FEWEST_STABLE:
             return None
         work.vectors, work.before = found.vectors, work.before if near else work.vectors
-        work.seen = z.copy()
+        work.seen, work.reach = z.copy(), _reach(found.values)
         return found
+
+    def _with_grown_ones(self, linear: Linear, nearest: Nearest, found: Spectrum) -> Spectrum:
+        """See `with_grown_ones`; where unstable ones of the last point are not followed, they are looked for."""
+        work = self.work
+        assert work.vectors is not None
+        whole, reach = with_grown_ones(found, linear, nearest.inverse, work.vectors, work.before)
+        if whole is not None:
+            return whole
+        start = np.asarray(work.vectors.real.sum(axis=1))
+        wider = self._nearest(linear, start, 0.0, reach, FEWEST, False).with_copies(self.n, MARGIN * reach)
+        if not (wider.found.certain or _are_all_positive(linear, wider.found)):
+            seen = float(np.abs(found.values).max(initial=0.0)), reach
+            work.unseen = min(work.unseen or seen, seen)
+        return wider.spectrum()
 
     def _whole(self, linear: Linear) -> Spectrum:
         mass = None if linear.mass is None else linear.mass.toarray()
         return self._kept(every(linear.matrix.toarray(), mass))
 
-    def _nearest(self, linear: Linear, start: Array, radius: float, fewest: int, exactly: bool) -> Nearest:
+    def _nearest(
+        self, linear: Linear, start: Array, radius: float, known: float, fewest: int, exactly: bool
+    ) -> Nearest:  # fmt: skip
         """See `beside_zero`; `by_approximation` where solves are iterative, and approximate inverses good."""
         if not exactly and linear.mass is None and isinstance(linear, KrylovLinear) and not linear.exact:
             rate = OLD if linear.precise is not None else linear.rate
             if 0.0 < rate <= GOOD:
-                found = by_approximation(linear, rate, start, radius, self.work.reach, fewest)
+                found = by_approximation(linear, rate, start, radius, known, fewest)
                 if found is not None:
                     return found
-        return beside_zero(linear, linear.weigh(start), radius, self.work.reach, fewest)
+        return beside_zero(linear, linear.weigh(start), radius, known, fewest)
 
     def _with_far_ones(self, linear: Linear, found: Spectrum) -> Spectrum:
         """See `with_far_ones`: where Krylov spaces of the inverse do not reach as far as unstable ones may be."""
@@ -239,9 +260,7 @@ class LargeEquations(InOneParameterProblem):
             work.vectors, work.before = found.vectors[:, _to_follow(found.values)], work.vectors
             work.seen = None if work.z is None else work.z.copy()
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
-            part = np.where(found.values.imag != 0.0, watched, WATCHED)
-            near = found.values.real > -part * np.abs(found.values)
-            work.reach = float(np.abs(found.values[near]).max(initial=0.0))
+            work.reach = _reach(found.values, watched)
         return found
 
     def _region(self, linear: Linear) -> tuple[float, float]:
@@ -313,6 +332,8 @@ class LargeEquations(InOneParameterProblem):
             judged = self.work.judged = z.copy(), self.spectrum(z).values
         values = judged[1]
         tests, unstable = stability_tests(values)
+        if isinstance(self.work.linear, KrylovLinear) and values.size:  # no determinant dips between two crossings
+            tests[1] = (-1.0) ** unstable * float(np.min(np.abs(values)))
         return tests, unstable, values
 
 
@@ -320,6 +341,13 @@ def _are_all_positive(linear: Linear, found: Spectrum) -> bool:
     """Whether the positive ones of a symmetric matrix are all among those found."""
     count = positive_eigenvalues(linear.matrix) if linear.mass is None else None
     return count is not None and count <= int(np.sum(found.values.real > 0.0))
+
+
+def _reach(values: NDArray[np.complex128], watched: float = WATCHED) -> float:
+    """The largest modulus of those that are unstable or nearly so: of pairs l those with Re l > -watched |l|."""
+    part = np.where(values.imag != 0.0, watched, WATCHED)
+    near = values.real > -part * np.abs(values)
+    return float(np.abs(values[near]).max(initial=0.0))
 
 
 def _is_another_points(linear: Linear) -> bool:

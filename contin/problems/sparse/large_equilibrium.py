@@ -18,6 +18,7 @@ from contin.continuation import march as python_march
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
+from contin.linalg.krylov import TOLERANCE
 from contin.linalg.linear import DirectLinear, KrylovLinear
 from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
@@ -28,6 +29,7 @@ from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 
 UNEVEN = 30.0  # ratio of sizes of states that are far apart
+ROUGHLY = 1e-2  # part of the residual that iterative solvers may leave of a first correction
 POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0, ratio=0.9, budget=60)  # beside singular points: a series
 
 
@@ -84,12 +86,17 @@ class LargeProblem(LargeEquations):
         return python_march.probe(self, base, length, guess, frame, settings)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        left = ROUGHLY  # of a correction's length: as much as Newton's method will leave itself
+
         def correct(z: Array) -> tuple[float, Array] | None:
+            nonlocal left
             linear = self.linear(z)
             if linear is None:
                 return None
-            step = linear.solve(-self.residual(z))
-            return norm(step / scale[:-1]), np.append(z[:-1] + step, value)
+            step = linear.solve(-self.residual(z), left)
+            size = norm(step / scale[:-1])
+            left = min(ROUGHLY, max(size, TOLERANCE))
+            return size, np.append(z[:-1] + step, value)
 
         found = newton(correct, np.append(guess[:-1], value), POLISHED)
         return None if found is None else found.at

@@ -1,0 +1,46 @@
+"""Unstable eigenvalues that have grown far from zero, with many stable ones nearer, are still counted.
+
+lap u + lam exp(u) = 0 on the unit square: beyond the fold the solution becomes a peak, whose eigenvalue grows by up to
+half of itself a step. The reference is the inertia of the symmetric Jacobian, from the signs of its pivots (Sylvester).
+"""
+
+import numpy as np
+import pytest
+
+import contin
+from contin.linalg.factor import Factoriser
+from contin.linalg.inertia import positive_eigenvalues
+from contin.problems.sparse import jacobian as source
+from tests.problems.sparse.test_branch_points_in_one_step import FIRST, planted
+from tests.problems.sparse.test_old_factors import plate
+
+
+@pytest.mark.parametrize("always_factored", [20_000, 100])
+def test_stability_along_a_peak_is_that_of_the_inertia(always_factored, monkeypatch):
+    monkeypatch.setattr(source, "ALWAYS_FACTORED", always_factored)
+    problem = plate(23)  # 529 states: not as few as have all their eigenvalues computed where that is in doubt
+    branch = contin.continuation(problem, "lam", (0, 10), settings={"steps": 42})
+    assert branch.columns["lam"][-1] < 0.7 < 6.0 < branch.columns["lam"].max()
+    for row in np.flatnonzero(np.nanmin(np.abs(branch.eigenvalues), axis=1) > 1e-3):  # not at its fold
+        z = branch.z[row]
+        count = positive_eigenvalues(problem.jacobian(z[:-1], {"lam": z[-1]}))
+        assert branch.columns["unstable"][row] == count, (row, z[-1])
+    assert not branch.notes
+
+
+@pytest.mark.parametrize("gap", [0.05, 1e-3])
+@pytest.mark.parametrize("senses", ["one value, twice", "two values, in opposite senses"])
+def test_two_crossings_within_a_step_are_found_with_factors_of_earlier_points(senses, gap, monkeypatch):
+    """No determinant tells of them: the smallest eigenvalue dips."""
+    monkeypatch.setattr(source, "ALWAYS_FACTORED", 10)
+    monkeypatch.setattr(Factoriser, "is_band_for", lambda self, matrix: False)
+    if senses == "one value, twice":
+        values = lambda p: np.array([-10.0 * (p - FIRST) * (p - FIRST - gap)])  # noqa: E731
+        slopes = lambda p: np.array([-10.0 * (2.0 * p - 2.0 * FIRST - gap)])  # noqa: E731
+    else:
+        values = lambda p: np.array([p - FIRST, FIRST + gap - p])  # noqa: E731
+        slopes = lambda p: np.array([1.0, -1.0])  # noqa: E731
+    branch = contin.continuation(contin.equilibrium(planted(40, values, slopes, [])), "p", (0.0, 1.0))
+    assert [point.type for point in branch.points] == ["BP", "BP"]
+    for point, place in zip(branch.points, (FIRST, FIRST + gap), strict=True):
+        assert abs(point.values["p"] - place) <= point.error + 1e-15
