@@ -38,9 +38,15 @@ def gone_over(
     labelled : rows of special points, where branches meet.  noise : rounding of rows, in scaled unknowns.
     """
 
+    asked: dict[tuple[int, int], bool] = {}  # steps that are seen more than once
+
+    def on_one_curve(step: tuple[int, int]) -> bool:
+        if step not in asked:
+            asked[step] = _on_one_curve(problem, z[list(step)], tangents[list(step)], scale)
+        return asked[step]
+
     def compared(rows: NDArray[np.intp]) -> Answer:
-        steps = ([a, b] for a, b in pairwise(rows))
-        if all(_on_one_curve(problem, z[step], tangents[step], scale) for step in steps):
+        if all(on_one_curve(step) for step in pairwise(rows.tolist())):
             return Answer.ONE
         return _compared(problem, z[rows], scale, noise)
 

@@ -35,11 +35,15 @@ def on_cubic(
 ) -> bool:  # fmt: skip
     """True where solutions inside a step lie on the cubic, to a part `SMOOTH` of what changes, or to noise.
 
+    What changes is the larger one of a step and what its slopes foretell: of many unknowns, as the values of a field,
+    some end where they began.
+
     values : at the two rows, as `seen` makes them of unknowns.  slopes : changes of these that each row's tangent
     foretells for the whole step.  length : of values and noise, each compared by itself.
     """
     here, there = step.ends
-    allowed = np.maximum(SMOOTH * length(values[1] - values[0]), noise)
+    changes = np.maximum(length(values[1] - values[0]), np.maximum(length(slopes[0]), length(slopes[1])))
+    allowed = np.maximum(SMOOTH * changes, noise)
     between = sorted((float(here[-1]), float(there[-1])))
     for s in INSIDE:
         place = float(_cubic(s, (here[-1:], there[-1:]), step.parameter)[0])
