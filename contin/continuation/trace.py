@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.accounting import MET, passed_again, turns_again, unexplained, untold_turns
 from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
+from contin.continuation.both_ways import far_end, lies_between, meeting
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.defects import DEFECT, contained
 from contin.continuation.departure import Departure, depart
@@ -96,6 +97,13 @@ def trace(
         arm, segments = ready
         if most is not None:
             arm.allow(most - sum(record.accepted for record in records.values()))
+        way = records.get(-1)
+        far = None if way is None else far_end(seed.problem, way.segments, way.end, arm.scale)
+        if far is not None and lies_between(far, departure.start.z, arm.origin.z, arm.scale):
+            records[sense] = _ArmRecord([], meeting(far, seed.problem.parameters[0]), 0)
+            records[-1] = replace(records[-1], end=records[sense].end)
+            break
+        arm.loop = far or arm.loop
         rows, first = sum(len(segment.z) for segment in segments), len(segments)
         try:
             for segment in until_defect(followed(arm, seed.z), arm):
@@ -111,6 +119,9 @@ def trace(
         assert arm.end is not None
         del segments[len(segments) - arm.retraced :]
         notes.extend(note for segment in segments[first:] for note in segment.notes)
+        if far is not None and arm.end.reason == "closed":
+            arm.end = meeting(far, seed.problem.parameters[0])
+            records[-1] = replace(records[-1], end=arm.end)
         records[sense] = _ArmRecord(segments, arm.end, arm.accepted)
         if DEFECT in arm.end.text:
             notes.append(arm.end.text)
@@ -208,7 +219,9 @@ def _assemble(
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
     for row, reason in zip((0, len(z) - 1), reasons, strict=True):
-        if reason == "closed":  # the start once more
+        if reason == "closed" and 0 < start_row < len(z) - 1:  # both ways meet: the first row once more
+            unstable[-1] = unstable[0]
+        elif reason == "closed":  # the start once more
             unstable[row] = unstable[start_row]
             born += [row] if seed.born else []
     told = in_two_parameters(problem) and bool(properties)  # critical eigenvalues that stay: their signs are rounding
