@@ -78,10 +78,8 @@ def trace(
     `journal` keeps every chunk as it is computed, and answers with those of an earlier, killed run.
     Interrupting it (Ctrl-C) ends the branch with reason 'stopped'; everything computed is kept.
     """
-    started = computing_time()
-    settings = settings or Settings()
-    before = seed.problem.effort()
-    departure = depart(seed, bounds, settings)
+    started, before = computing_time(), seed.problem.effort()
+    departure = depart(seed, bounds, settings or Settings())
     seed = departure.seed
     records: dict[int, _ArmRecord] = {}
     notes = list(departure.notes)
@@ -97,13 +95,11 @@ def trace(
         arm, segments = ready
         if most is not None:
             arm.allow(most - sum(record.accepted for record in records.values()))
-        way = records.get(-1)
-        far = None if way is None else far_end(seed.problem, way.segments, way.end, arm.scale)
-        if far is not None and lies_between(far, departure.start.z, arm.origin.z, arm.scale):
-            records[sense] = _ArmRecord([], meeting(far, seed.problem.parameters[0]), 0)
-            records[-1] = replace(records[-1], end=records[sense].end)
+        far = _aims_at(records.get(-1), arm, departure)
+        if isinstance(far, End):
+            records[sense] = _ArmRecord([], far, 0)
+            _end_both(records, far)
             break
-        arm.loop = far or arm.loop
         rows, first = sum(len(segment.z) for segment in segments), len(segments)
         try:
             for segment in until_defect(followed(arm, seed.z), arm):
@@ -119,10 +115,9 @@ def trace(
         assert arm.end is not None
         del segments[len(segments) - arm.retraced :]
         notes.extend(note for segment in segments[first:] for note in segment.notes)
-        if far is not None and arm.end.reason == "closed":
-            arm.end = meeting(far, seed.problem.parameters[0])
-            records[-1] = replace(records[-1], end=arm.end)
         records[sense] = _ArmRecord(segments, arm.end, arm.accepted)
+        if far is not None and arm.end.reason == "closed":
+            _end_both(records, meeting(far, seed.problem.parameters[0]))
         if DEFECT in arm.end.text:
             notes.append(arm.end.text)
         if arm.end.reason == "stopped":
@@ -130,6 +125,22 @@ def trace(
     branch = _assembled(departure, records, name, targets, notes, started, before)
     give_back()
     return branch
+
+
+def _aims_at(other: _ArmRecord | None, arm: Arm, departure: Departure) -> Sample | End | None:
+    """Where the other arm has used up its steps, which closes this one; or the end of both, where that is at once."""
+    far = None if other is None else far_end(arm.problem, other.segments, other.end, arm.scale)
+    if far is None:
+        return None
+    if lies_between(far, departure.start.z, arm.origin.z, arm.scale):
+        return meeting(far, arm.problem.parameters[0])
+    arm.loop = far
+    return far
+
+
+def _end_both(records: dict[int, _ArmRecord], end: End) -> None:
+    for sense, record in records.items():
+        records[sense] = replace(record, end=end)
 
 
 def _assembled(
@@ -218,12 +229,10 @@ def _assemble(
     reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
-    for row, reason in zip((0, len(z) - 1), reasons, strict=True):
-        if reason == "closed" and 0 < start_row < len(z) - 1:  # both ways meet: the first row once more
-            unstable[-1] = unstable[0]
-        elif reason == "closed":  # the start once more
-            unstable[row] = unstable[start_row]
-            born += [row] if seed.born else []
+    again = [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason == "closed"]
+    both = len(again) == 2 and 0 < start_row < len(z) - 1  # ways meet: the first row once more, else the start
+    unstable[again] = unstable[0 if both else start_row]
+    born += again if seed.born and not both else []
     told = in_two_parameters(problem) and bool(properties)  # critical eigenvalues that stay: their signs are rounding
     labels = [(row, point, float(raw_tangents[row, -1] / scale[-1])) for row, point, scale in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names

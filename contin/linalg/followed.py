@@ -66,10 +66,16 @@ def followed(
             wrong = _wrong(values, found, raw, of)
         steps = outside(raw, space.basis)
         if longer * wrong <= SIGN and longer * max(norm(s) for s in steps) < ACCURACY:
-            if symmetric:  # what the corrections say is still to be had: it makes all values better
-                space.widen(steps)
-                values, ritz = space.rightmost(wanted, symmetric)
-            return _nearest_first(values, ritz, space.basis)
+            if not symmetric:
+                return _nearest_first(values, ritz, space.basis)
+            earlier = values  # what the corrections say is still to be had: it makes all values better
+            space.widen(steps)
+            values, ritz = space.rightmost(wanted, symmetric)
+            # the inverse of an earlier point knows nothing of a value that is smaller than what that has moved since
+            if np.all(np.abs(values - earlier)[_told(values)] <= SIGN * np.abs(values)[_told(values)]):
+                return _nearest_first(values, ritz, space.basis)
+            together = False
+            continue
         space.widen(steps)
         together = False
     return None
@@ -94,8 +100,10 @@ def improved(
         steps = outside(precondition(np.column_stack(parts)).T, space.basis)
         if not space.widen(steps):
             break
+        earlier = values
         values, ritz = space.within(given, wanted)
-        if rate / (1.0 - rate) * max(norm(s) for s in steps) < ACCURACY:
+        settled = np.abs(values - earlier) <= SIGN * np.abs(values)
+        if rate / (1.0 - rate) * max(norm(s) for s in steps) < ACCURACY and np.all(settled[_told(values)]):
             break
     return _nearest_first(values, ritz, space.basis)
 

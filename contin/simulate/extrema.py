@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.simulate.flight import fly
 from contin.simulate.run import observed
 
@@ -18,7 +19,7 @@ FINER: Final = 32  # samples between two samples, around an extreme one
 LEVELS: Final = 5  # looks, each so much finer
 GAINED: Final = 1e-9  # of a column's range: a look after which less than this is left to gain is the last one,
 FLAT: Final = 1e-9  # ... and so is the first one of a column that is constant to this part of its size
-ORDER: Final = (FINER / 2.0) ** 4  # what a parabola misses shrinks by this from look to look
+ORDER: Final = elementary.pow(FINER / 2.0, 4)  # what a parabola misses shrinks by this from look to look
 TURNS: Final = 32  # rows beside which an extreme is looked for, at most
 ALIKE: Final = 0.5  # second differences of neighbours that differ by less are those of a smooth function
 

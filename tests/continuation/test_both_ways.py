@@ -1,4 +1,4 @@
-"""A closed curve is closed, whatever number of steps each way from its start may take: once, and with no other notes."""
+"""A closed curve is closed, whatever number of steps each way from its start takes: once, and with no other notes."""
 
 import numpy as np
 import pytest

@@ -332,8 +332,6 @@ class LargeEquations(InOneParameterProblem):
             judged = self.work.judged = z.copy(), self.spectrum(z).values
         values = judged[1]
         tests, unstable = stability_tests(values)
-        if isinstance(self.work.linear, KrylovLinear) and values.size:  # no determinant dips between two crossings
-            tests[1] = (-1.0) ** unstable * float(np.min(np.abs(values)))
         return tests, unstable, values
 
 

@@ -112,8 +112,7 @@ def test_eigenvalues_are_followed_with_a_preconditioner_that_leaves_a_third_of_a
     assert abs(a.values["lam"] - b.values["lam"]) <= a.error + b.error + 1e-13
     seconds = [np.sort(np.real(line["LP1"].eigenvalues))[-2] for line in lines]
     assert seconds[0] == pytest.approx(seconds[1], rel=1e-3)
-    # measured 493, 50 of them where the smallest eigenvalue dips beside the fold; several times as many without
-    assert lines[0].effort["applications"] <= 540
+    assert lines[0].effort["applications"] <= 490  # measured 444; several times as many without
 
 
 @pytest.mark.parametrize("other", [0.0, 1e9])

@@ -11,7 +11,6 @@ import contin
 from contin.linalg.factor import Factoriser
 from contin.linalg.inertia import positive_eigenvalues
 from contin.problems.sparse import jacobian as source
-from tests.problems.sparse.test_branch_points_in_one_step import FIRST, planted
 from tests.problems.sparse.test_old_factors import plate
 
 
@@ -33,20 +32,3 @@ def test_stability_along_a_peak_is_that_of_the_inertia(earlier, monkeypatch):
         assert branch.columns["unstable"][row] == count, (row, z[-1])
     assert not branch.notes
     assert branch.effort["applications"] <= 2200  # measured 1,960 and 1,632
-
-
-@pytest.mark.parametrize("gap", [0.05, 1e-3])
-@pytest.mark.parametrize("senses", ["one value, twice", "two values, in opposite senses"])
-def test_two_crossings_within_a_step_are_found_with_factors_of_earlier_points(senses, gap, monkeypatch):
-    """No determinant tells of them: the smallest eigenvalue dips."""
-    with_factors_of_earlier_points(monkeypatch)
-    if senses == "one value, twice":
-        values = lambda p: np.array([-10.0 * (p - FIRST) * (p - FIRST - gap)])  # noqa: E731
-        slopes = lambda p: np.array([-10.0 * (2.0 * p - 2.0 * FIRST - gap)])  # noqa: E731
-    else:
-        values = lambda p: np.array([p - FIRST, FIRST + gap - p])  # noqa: E731
-        slopes = lambda p: np.array([1.0, -1.0])  # noqa: E731
-    branch = contin.continuation(contin.equilibrium(planted(40, values, slopes, [])), "p", (0.0, 1.0))
-    assert [point.type for point in branch.points] == ["BP", "BP"]
-    for point, place in zip(branch.points, (FIRST, FIRST + gap), strict=True):
-        assert abs(point.values["p"] - place) <= point.error + 1e-15
