@@ -66,8 +66,6 @@ def followed(
             wrong = _wrong(values, found, raw, of)
         steps = outside(raw, space.basis)
         if longer * wrong <= SIGN and longer * max(norm(s) for s in steps) < ACCURACY:
-            if not symmetric:
-                return _nearest_first(values, ritz, space.basis)
             earlier = values  # what the corrections say is still to be had: it makes all values better
             space.widen(steps)
             values, ritz = space.rightmost(wanted, symmetric)
@@ -81,10 +79,10 @@ def followed(
     return None
 
 
-def estimates(linear: Linear, vectors: NDArray[np.complex128], symmetric: bool) -> Vector:
-    """About the eigenvalues, to second order (symmetric) or first, whose vectors are near the given ones (n, k)."""
+def estimates(linear: Linear, vectors: NDArray[np.complex128]) -> Vector:
+    """About the eigenvalues of a symmetric operator, to second order, whose vectors are near the given ones (n, k)."""
     space = RitzSpace.of(linear, orthonormal(_real_rows(vectors)))
-    return space.rightmost(vectors.shape[1], symmetric)[0]
+    return space.rightmost(vectors.shape[1], symmetric=True)[0]
 
 
 def improved(

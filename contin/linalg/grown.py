@@ -30,7 +30,7 @@ def with_grown_ones(
     vectors : (n, k) eigenvectors at the last point, the unstable ones among them, `before` (n, j) at the one before it.
     None where they are not found.  Cost: k products, and where some have grown a few times k solves.
     """
-    reach = float(np.max(estimates(linear, vectors, symmetric=True), initial=0.0))
+    reach = float(np.max(estimates(linear, vectors), initial=0.0))
     edge = (1.0 - SAME) * float(np.abs(found.values).max(initial=0.0))  # up to which both ways have the same ones
     if not reach > edge:
         return found, reach
