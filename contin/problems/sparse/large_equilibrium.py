@@ -29,8 +29,7 @@ from contin.problems.symmetry import reversing_symmetries
 from contin.problems.turning_at_folds import no_fold
 
 UNEVEN = 30.0  # ratio of sizes of states that are far apart
-ROUGHLY = 1e-6  # part of the residual that iterative solvers may leave of a first correction: beside branch points what is
-# left along null vectors is many times as large
+ROUGHLY = 1e-6  # part of a residual that iterative solvers may leave: it is many times as large along a null vector
 POLISHED = Rules(settled=1e-14, stalled=1e-6, far=1.0, ratio=0.9, budget=60)  # beside singular points: a series
 
 
