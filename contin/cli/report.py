@@ -153,6 +153,8 @@ def words(point: Record) -> str:
     """The type of a point in words: 'Hopf point, subcritical'."""
     form = point["normal_form"]
     parts = [style_of(point["type"]).words]
+    if form.get("kind") == "heteroclinic":  # of a HOM point, whose orbits tend to two saddles
+        return parts[0].replace("homoclinic", "heteroclinic")
     parts += [str(form[key]) for key in ("kind", "criticality", "case") if form.get(key)]
     if form.get("of"):
         parts[-1] += f" of {form['of']}"

@@ -29,6 +29,8 @@ def describe(type_: str, normal_form: Record | None = None) -> str:
         )  # fmt: skip
     if kind == "pitchfork":
         noun = "pitchfork" if type_ == "BP" else "pitchfork of cycles"
+    elif kind == "heteroclinic":
+        noun = noun.replace("homoclinic", kind)
     elif kind == "nonsmooth":
         noun = f"nonsmooth {noun}"
     elif kind:

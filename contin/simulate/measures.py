@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from contin.errors import InputError
+from contin.errors import ExpressionError, InputError
 from contin.model.expression import Expression, call, symbol
 from contin.model.model import Model
 from contin.records import Fields
@@ -33,12 +33,19 @@ def with_measures(model: Any, measures: Mapping[str, str | Any] | None) -> Model
         for name in measures:
             if not name.isidentifier():
                 raise InputError(f"a measure needs a name of letters, digits and _; got {name!r}")
-        chosen = {name: e if isinstance(e, Expression) else model.expression(str(e)) for name, e in measures.items()}
+        chosen = {name: e if isinstance(e, Expression) else _read(model, name, str(e)) for name, e in measures.items()}
     elif model.averaging is not None:
         chosen = _of_oscillators(model)
     else:
         chosen = _of_states(model) | dict(model.observables)
     return model.replace(observables=chosen)
+
+
+def _read(model: Model, name: str, formula: str) -> Expression:
+    try:
+        return model.expression(formula)
+    except ExpressionError as reason:
+        raise ExpressionError(f"measure {name}: {reason}", reason.position) from None
 
 
 def _of_states(model: Model) -> Fields:

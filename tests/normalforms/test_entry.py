@@ -68,6 +68,7 @@ def test_every_type_with_a_normal_form_has_words_and_an_unknown_type_is_named():
     assert describe("BP", form.coefficients) == "supercritical pitchfork"
     assert describe("LP", {"kind": "nonsmooth"}) == "nonsmooth fold"
     assert describe("BP", {"kernel": 2, "kind": "multiple"}) == "branch point with a 2-dimensional kernel"
+    assert describe("HOM", {"kind": "heteroclinic"}) == "heteroclinic orbit"
     assert describe("XY") == "XY"
     with pytest.raises(ValueError, match="no normal form for type 'UZ' here; known: BP, HB, LP"):
         normal_form("UZ", jet)

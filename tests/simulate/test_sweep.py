@@ -70,3 +70,9 @@ def test_bad_ranges_and_names_are_refused():
 def test_a_list_of_values_in_place_of_a_range_is_told_what_is_asked():
     with pytest.raises(InputError, match="a lower and an upper end; got 3 values"):
         contin.sweep(CUSP, "p", (0.0, 0.5, 1.0))
+
+
+def test_a_measure_that_is_no_formula_is_named():
+    model = contin.load("selkov")
+    with pytest.raises(contin.InputError, match=r"measure r: '\(' is never closed"):
+        contin.sweep(model, "b", (0.4, 0.9), measures={"r": "sqrt(x"})
