@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 FINER: Final = 32  # samples between two samples, around an extreme one
 LEVELS: Final = 5  # looks, each so much finer
 GAINED: Final = 1e-9  # of a column's range: a look after which less than this is left to gain is the last one,
+BELOW: Final = 1e-6  # ... and by how much other turns may at most go higher that are not looked into any more
 FLAT: Final = 1e-9  # ... and so is the first one of a column that is constant to this part of its size
 ORDER: Final = elementary.pow(FINER / 2.0, 4)  # what a parabola misses shrinks by this from look to look
 TURNS: Final = 32  # rows beside which an extreme is looked for, at most
@@ -44,11 +45,14 @@ def extremes_between(t: Array, values: Array, at: Callable[[Array], Array]) -> t
     finer: dict[int, tuple[Array, Array]] = {}
     for column in range(values.shape[1]):
         for result, sign in ((smallest, -1.0), (largest, 1.0)):
-            best = sign * result[column]
-            for row in _candidates(sign * values[:, column], spread[column]):
+            best, rows = sign * result[column], _candidates(sign * values[:, column], spread[column])
+            for row in rows:
                 if row not in finer:
                     finer[row] = _around(t, row, at)
-                best = _climbed(*finer[row], at, column, sign, best, spread[column])
+            reaches = [_at_most(sign * finer[row][1][:, column]) if finer[row][1].size else np.inf for row in rows]
+            for place, k in enumerate(sorted(range(len(rows)), key=lambda k: -reaches[k])):
+                if place == 0 or reaches[k] > best + BELOW * spread[column]:
+                    best = _climbed(*finer[rows[k]], at, column, sign, best, spread[column])
             result[column] = sign * best
     return smallest, largest
 
@@ -100,6 +104,16 @@ def _climbed(
             return max(best, found)
         times, values = _around(times, row, at)
     return max(best, before)
+
+
+def _at_most(values: Array) -> float:
+    """What equally spaced values may reach between them: a parabola misses s (1 - s^2)/6 of their third difference, at
+    s <= 1/2 from the largest, or less than a fifteenth; twice that is allowed."""
+    best = int(np.argmax(values))
+    if not np.all(np.isfinite(values)) or not is_resolved(values):
+        return np.inf
+    left, bend, right = np.diff(values[best - 2 : best + 3], 2).tolist()
+    return top(values) + 0.125 * float(max(abs(left - bend), abs(right - bend)))
 
 
 def top(values: Array) -> float:
