@@ -41,6 +41,8 @@ def with_grown_ones(
     more = followed(linear, solved, FAR, vectors, before, symmetric=True)
     if more is None:
         return None, reach
-    near, far = found.values.real <= edge, more.values.real > edge
+    apart = np.abs(found.values[:, None] - more.values[None]) > SAME * np.abs(found.values)[:, None]
+    near = (found.values.real <= edge) | apart.all(axis=1)  # and those that the last point's vectors know nothing of
+    far = more.values.real > edge
     both = np.concatenate([found.values[near], more.values[far]])
     return replace(found, values=both, vectors=np.hstack([found.vectors[:, near], more.vectors[:, far]])), reach
