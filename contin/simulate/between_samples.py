@@ -30,12 +30,15 @@ def resolved(
     span = float(t[-1] - t[0]) if len(t) > 1 else 0.0
     if not span > 0.0:
         return t, states
-    taken = fly(system, states[0], p, span, start=float(t[0]), rtol=rtol, atol=atol).steps
-    if taken > DENSE * len(t):
-        first = max(len(t) - 2 - len(t) * MOST // taken, 0)
+    ends, few = [float(t[0])], DENSE * len(t)
+    flight = fly(system, states[0], p, span, start=float(t[0]), rtol=rtol, atol=atol, steps=ends, budget=few)
+    if flight.outcome != DONE:
+        taken = fly(system, states[0], p, span, start=float(t[0]), rtol=rtol, atol=atol).steps
+        first = max(len(t) - 2 - len(t) * MOST // taken, 0) if taken > few else 0
         t, states = t[first:], states[first:]
-    span = float(t[-1] - t[0])
-    times = resolving(t, ends_of_steps(system, states[0], p, span, start=float(t[0]), rtol=rtol, atol=atol))
+        span = float(t[-1] - t[0])
+        ends = ends_of_steps(system, states[0], p, span, start=float(t[0]), rtol=rtol, atol=atol).tolist()
+    times = resolving(t, np.unique(ends))
     if times is t:
         return t, states
     flight = fly(system, states[0], p, span, start=float(t[0]), times=times, rtol=rtol, atol=atol)

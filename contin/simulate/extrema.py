@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 FINER: Final = 32  # samples between two samples, around an extreme one
 LEVELS: Final = 5  # looks, each so much finer
 GAINED: Final = 1e-9  # of a column's range: a look after which less than this is left to gain is the last one,
-BELOW: Final = 1e-6  # ... and by how much other turns may at most go higher that are not looked into any more
+BELOW: Final = 1e-6  # ... and by how much other turns may at most go higher that are not looked into any more, and
+#   by how much a trajectory that passes samples may be off them
 FLAT: Final = 1e-9  # ... and so is the first one of a column that is constant to this part of its size
 ORDER: Final = elementary.pow(FINER / 2.0, 4)  # what a parabola misses shrinks by this from look to look
 TURNS: Final = 32  # rows beside which an extreme is looked for, at most
@@ -42,19 +43,53 @@ def extremes_between(t: Array, values: Array, at: Callable[[Array], Array]) -> t
     """
     smallest, largest = extremes(values)
     spread = largest - smallest
-    finer: dict[int, tuple[Array, Array]] = {}
-    for column in range(values.shape[1]):
-        for result, sign in ((smallest, -1.0), (largest, 1.0)):
-            best, rows = sign * result[column], _candidates(sign * values[:, column], spread[column])
-            for row in rows:
-                if row not in finer:
-                    finer[row] = _around(t, row, at)
-            reaches = [_at_most(sign * finer[row][1][:, column]) if finer[row][1].size else np.inf for row in rows]
-            for place, k in enumerate(sorted(range(len(rows)), key=lambda k: -reaches[k])):
-                if place == 0 or reaches[k] > best + BELOW * spread[column]:
-                    best = _climbed(*finer[rows[k]], at, column, sign, best, spread[column])
-            result[column] = sign * best
+    sides = [(column, sign) for column in range(values.shape[1]) for sign in (-1.0, 1.0)]
+    turns = {(k, sign): _candidates(sign * values[:, k], spread[k]) for k, sign in sides}
+    several = sorted({row for rows in turns.values() if len(rows) > 1 for row in rows})
+    finer = _looks(t, values, several, at, spread)
+    roughly = set(finer)
+    for column, sign in sides:
+        result, rows = smallest if sign < 0.0 else largest, turns[column, sign]
+        best = sign * result[column]
+        for row in rows:
+            if row not in finer:
+                finer[row] = _around(t, row, at)
+        reaches = _at_most([sign * finer[row][1][:, column : column + 1].ravel() for row in rows])
+        for place, k in enumerate(np.argsort(-reaches, kind="stable").tolist()):
+            if place == 0 or reaches[k] > best + BELOW * spread[column]:
+                if rows[k] in roughly and not np.isfinite(reaches[k]):
+                    finer[rows[k]] = _around(t, rows[k], at)
+                    roughly.remove(rows[k])
+                best = _climbed(*finer[rows[k]], at, column, sign, best, spread[column])
+        result[column] = sign * best
     return smallest, largest
+
+
+def _looks(
+    t: Array, values: Array, rows: Sequence[int], at: Callable[[Array], Array], spread: Array
+) -> dict[int, tuple[Array, Array]]:
+    """Times and values between the neighbours of rows, of many at once: `at` follows the function on through their
+    samples, as long as it meets them (orbits part, observables jump).
+
+    Rows at the ends are left out, and those that are not met from the sample before them.
+    """
+    allowed = BELOW * spread + FLAT * np.abs(values).max(axis=0)
+    left, many = np.array([row for row in rows if 0 < row < len(t) - 1], dtype=int), len(rows)
+    looks: dict[int, tuple[Array, Array]] = {}
+    parts = np.arange(1, 2 * FINER + 1) / (2 * FINER)
+    while len(left):
+        now = left[:many]
+        times = t[now - 1, None] + (t[now + 1] - t[now - 1])[:, None] * parts
+        ascending, places = np.unique(np.hstack([times, t[now, None]]), return_inverse=True)
+        found = at(ascending)
+        found = np.vstack([found, np.full((len(ascending) - len(found), values.shape[1]), np.nan)])
+        seen = found[places.reshape(len(now), -1)]
+        met = np.all(np.abs(seen[:, -1] - values[now]) <= allowed, axis=1)
+        count = len(met) if met.all() else int(np.argmin(met))
+        looks.update(zip(now[:count].tolist(), zip(times, seen[:, :-1], strict=True), strict=False))
+        many = 2 * count if count == len(met) else max(count, 1)
+        left = left[max(count, 1) :]
+    return looks
 
 
 def _candidates(values: Array, spread: float) -> list[int]:
@@ -106,14 +141,21 @@ def _climbed(
     return max(best, before)
 
 
-def _at_most(values: Array) -> float:
-    """What equally spaced values may reach between them: a parabola misses s (1 - s^2)/6 of their third difference, at
-    s <= 1/2 from the largest, or less than a fifteenth; twice that is allowed."""
-    best = int(np.argmax(values))
-    if not np.all(np.isfinite(values)) or not is_resolved(values):
-        return np.inf
-    left, bend, right = np.diff(values[best - 2 : best + 3], 2).tolist()
-    return top(values) + 0.125 * float(max(abs(left - bend), abs(right - bend)))
+def _at_most(looks: Sequence[Array]) -> Array:
+    """What equally spaced values (T,) may reach between them, of each look: a parabola misses s (1 - s^2)/6 of their
+    third difference, at s <= 1/2 from the largest, or less than a fifteenth; twice that is allowed."""
+    reaches = np.full(len(looks), np.inf)
+    best = np.array([int(np.argmax(seen)) if seen.size else 0 for seen in looks])
+    inner = [k for k, seen in enumerate(looks) if 2 <= best[k] <= len(seen) - 3 and np.all(np.isfinite(seen))]
+    near = np.array([looks[k][best[k] - 2 : best[k] + 3] for k in inner]).reshape(-1, 5)
+    left, bend, right = np.diff(near, 2).T
+    uneven = np.maximum(np.abs(left - bend), np.abs(right - bend))
+    resolved = (bend < 0.0) & (uneven < ALIKE * np.abs(bend))
+    slope = 0.5 * (near[:, 3] - near[:, 1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        tops = near[:, 2] - 0.5 * slope * slope / bend
+    reaches[inner] = np.where(resolved, tops + 0.125 * uneven, np.inf)
+    return reaches
 
 
 def top(values: Array) -> float:

@@ -188,7 +188,8 @@ def _has_settled(values: Array, tolerance: float) -> bool:
     weights /= weights.sum()
     means = np.einsum("j,wjk->wk", weights, windows)
     spreads = np.sqrt(np.einsum("j,wjk->wk", weights, elementary.square(windows - means[:, None])))
-    size = np.maximum(np.abs(windows).max(axis=(0, 1)), BEFORE * np.abs(values).max(axis=0))
+    moduli = np.ascontiguousarray(np.abs(values).T)
+    size = np.maximum(moduli[:, len(values) - 3 * count :].max(axis=1), BEFORE * moduli.max(axis=1))
     size = np.where(size > 0.0, size, 1.0)
     first, second = (
         max(float((np.abs(s[k + 1] - s[k]) / size).max(initial=0.0)) for s in (means, spreads)) for k in (0, 1)
