@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.bvp import defects, marched, special_points
+from contin.bvp import changing_formulas, defects, marched, special_points
 from contin.bvp.boundary_equations import BoundaryEquations
 from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.continuum import NONE, free_function
-from contin.bvp.defects import resolving
+from contin.bvp.defects import NO_PART, resolving
 from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
@@ -39,7 +39,6 @@ from contin.problems.scales import parameter_width
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge a size by this factor at most
 STANDING = 1e-9  # part of the tangent below which the parameter does not change
 TRIVIAL = 1e-6  # of the tolerance: a solution with a smaller error says nothing about its mesh
-TINY = 1e-8  # of the largest: such a function is none
 SAME = 1e-6  # difference of two solutions, relative to their sizes (and the metric's), up to which they are one
 
 
@@ -56,7 +55,7 @@ class BoundaryProblem(BoundaryEquations):
         problem = replace(self, points=settings.points, intervals=settings.intervals, spaces={})
         old = self.profile(seed.z)
         count = settings.intervals or old.intervals
-        h = old.h if count == old.intervals else np.full(count, 1.0 / count)
+        h = problem.laid(old.h if count == old.intervals else np.full(count, 1.0 / count), old)
         target = Profile(settings.points, np.empty((len(h) * settings.points + 1, old.n)), 1.0, h, old.parameter)
         return replace(seed, problem=problem, z=replace(target, u=old.at(target.times)).vector())
 
@@ -150,6 +149,10 @@ class BoundaryProblem(BoundaryEquations):
         )
         return End("joined", text, {"at": at})
 
+    def laid(self, h: Array, profile: Profile) -> Array:
+        """See `contin.problems.orbits.mesh.adaptive_problem.Meshed`."""
+        return changing_formulas.laid(h, changing_formulas.places(self, profile), self.intervals is not None)
+
     def mesh_error(self, z: Array, sizes: Array) -> float:
         return estimate(self.profile(z), sizes, self.closed)[0]
 
@@ -180,10 +183,11 @@ class BoundaryProblem(BoundaryEquations):
         profile = self.profile(origin.z)
         sizes = self.sizes(origin.z, frame.scale)
         trivial = self.intervals is None and estimate(profile, sizes, self.closed)[0] < TRIVIAL * self.tolerance
-        fit = refitted(self, profile, sizes, 1.0, self._nearest_to_null(origin.z) if trivial else None)
+        null = self._nearest_to_null(origin.z) if trivial else None
+        fit = refitted(self, profile, sizes, 1.0, None if null is None else _of_size_one(null))
         h, sizes = (profile.h, sizes) if fit is None else (fit.h, fit.sizes)
         if self.intervals is None:
-            h = resolving(self, profile, h, sizes)
+            h = resolving(self, profile, h, sizes, beside=null)
         if fit is None and len(h) == profile.intervals:
             return Renewal(frame.scale, origin, before, loop)
         scale = make_scale(h, self.points, sizes, 1.0, float(frame.scale[-1]))
@@ -195,22 +199,20 @@ class BoundaryProblem(BoundaryEquations):
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         profile = self.profile(z[0])
         natural = self.natural_sizes(trimmed(z[0]), profile, abs(profile.parameter) or 1.0)
-        found = [defects.remark(self, z, natural), defects.remark_on_ends(self, z, natural)]
-        return [remark for remark in found if remark]
+        rooms = (changing_formulas.remark, defects.remark, defects.remark_on_ends)
+        return [remark for remark in (words(self, z, natural) for words in rooms) if remark]
 
-    def _nearest_to_null(self, z: Array) -> Array | None:
-        """(nodes, k) of largest value 1: the functions by which another branch would leave this one.
+    def _nearest_to_null(self, z: Array) -> Profile | None:
+        """The function by which another branch would leave this one.
 
         A trivial solution has no need of a mesh, but its branch points are as accurate as these are on it.
         """
-        mesh = OnMesh(self, self.profile(z).h)
+        profile = self.profile(z)
+        mesh = OnMesh(self, profile.h)
         x = mesh.unknowns(z)
         if mesh.linear(x) is None:
             return None
-        functions = smallest(mesh, x, 1)[1].reshape(-1, self.n)
-        largest = np.abs(functions).max(axis=0)
-        known = largest > TINY * largest.max()
-        return np.asarray(functions[:, known] / largest[known])
+        return replace(profile, u=smallest(mesh, x, 1)[1].reshape(-1, self.n))
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         one, other = self.profile(a.z), self.profile(b.z)
@@ -247,6 +249,13 @@ class BoundaryProblem(BoundaryEquations):
         return coarse or undetermined(self, z) or (
             "Try a smaller settings.step or min_step; check that conditions and equations are smooth here."
         )
+
+
+def _of_size_one(function: Profile) -> Array:
+    """(nodes, k): those of its parts that are not rounding, each with the largest value 1."""
+    largest = np.abs(function.u).max(axis=0)
+    known = largest > NO_PART * largest.max()
+    return np.asarray(function.u[:, known] / largest[known])
 
 
 def _standing(problem: BoundaryProblem, origin: Sample, before: Sample | None) -> End | None:

@@ -37,17 +37,21 @@ class Condensed:
     m: int
     intervals: int
     work: Workspace
+    condition_sizes: Array  # (n,) where all unknowns have their sizes
 
     @property
     def log_determinant(self) -> float:
-        """In place of log |det M|, which swings by many powers of ten: -log |M^-1 r|, r a fixed jump of the conditions.
+        """In place of log |det M|, which swings by many powers of ten: -log of |M^-1 r|, r two jumps of the conditions.
 
-        The test for branch points becomes the determinant's sign times about the smallest singular value of M.
+        The test for branch points becomes the determinant's sign times about the smallest singular value of M. (One
+        jump alone may be all but normal to the left null vector.)
         """
-        rows = self.intervals * self.m * self.n
-        right = np.zeros(self.scale.size)
-        right[rows : rows + self.n] = elementary.cos(1.0 + np.arange(self.n))
-        length = norm(self.solve(right))
+        rows, lengths = self.intervals * self.m * self.n, []
+        for jump in (elementary.cos, elementary.sin):
+            right = np.zeros(self.scale.size)
+            right[rows : rows + self.n] = jump(1.0 + np.arange(self.n)) * self.condition_sizes
+            lengths.append(norm(self.solve(right)))
+        length = norm(np.array(lengths))
         return -elementary.log(length) if 0.0 < length < np.inf else 0.0
 
     def solve(self, right: Array) -> Array:
@@ -117,4 +121,7 @@ def linearise(problem: BoundaryEquations, z: Array, tangent: Array, scale: Array
     if sign != 0:
         sign *= lu_factor(a, work.pivots)
         sign *= int(np.prod(np.sign(np.diag(a))))
-    return Condensed(here, float(sign), scale, n, m, count, work)
+    nodes = (count * m + 1) * n
+    unknowns = np.concatenate([scale[:n], scale[nodes - n : nodes], scale[-1:]])
+    own = np.abs(matrix[:, [*range(2 * n), 2 * n + problem.active]]) @ unknowns
+    return Condensed(here, float(sign), scale, n, m, count, work, np.where(own > 0.0, own, 1.0))

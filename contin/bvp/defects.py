@@ -20,6 +20,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.sizes import largest
 from contin.kernels.collocation_basis import basis
+from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.adaption import estimate
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.small_ends import error_at_small_ends
@@ -32,6 +33,9 @@ FINER: Final = 0.01  # of the tolerance: where a solution is not smooth, errors 
 LEVELS: Final = 40  # of halving: to rounding of the places
 MOST: Final = 100  # intervals that are added at a time
 ROUNDED: Final = 1e-8  # of its natural size: a function below it is zero but for rounding
+NO_PART: Final = 1e-8  # of a null function's largest part: such a part is rounding
+NEXT: Final = 1e-9  # part of an interval: there a defect is the same, and rounding another
+NOISY: Final = 0.05  # part of a defect by which rounding differs
 ROWS: Final = 4  # of a branch that are looked at
 UNRESOLVED: Final = 100.0  # times the tolerance, ...
 WORTHLESS: Final = 40.0  # ... and the estimate: a defect that makes it worthless (30 times of smooth solutions)
@@ -52,19 +56,32 @@ def _rule(m: int) -> tuple[Array, Array, Array]:
     return points, weights, matrix
 
 
-def defects(problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array) -> Array:
-    """d_i of the intervals h for a solution known on its own mesh, (len(h),); NaN and infinity count as none."""
+def defects(
+    problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array, beside: Profile | None = None,
+    shift: float = 0.0,
+) -> Array:  # fmt: skip
+    """d_i of the intervals h for a solution known on its own mesh, (len(h),); NaN and infinity count as none.
+
+    beside : a function q of the same mesh that is to meet the linearised equations q' = F_u q as well, such as a null
+    function, relative to its largest values.  shift : part of an interval by which all points of it are moved.
+    """
     points, weights, interpolate = _rule(profile.m)
     starts = np.concatenate([[0.0], np.cumsum(h)[:-1]])
-    inner = np.concatenate([basis(profile.m).gauss, points])
+    inner = np.concatenate([basis(profile.m).gauss, points]) + shift
     times = np.minimum((starts[:, None] + h[:, None] * inner).ravel(), 1.0)
     p = np.tile(problem.full_parameters(profile.vector()), (len(times), 1))
     p[:, -1] = times
-    values = np.asarray(problem.two.system.jacobians(profile.at(times), p)[0])[:, : profile.n]
-    values = values.reshape(len(h), len(inner), profile.n)
-    m = profile.m
-    apart = np.abs(values[:, m:] - np.einsum("qk,ikn->iqn", interpolate, values[:, :m]))
-    found = (h[:, None] * np.einsum("q,iqn->in", weights, apart) / sizes).max(axis=1)
+    n, m = profile.n, profile.m
+    values, matrices = (np.asarray(each) for each in problem.two.system.jacobians(profile.at(times), p))
+    right, accurate = values[:, :n], sizes
+    if beside is not None:
+        linear = np.einsum("tij,tj->ti", matrices[:, :n, :n], beside.at(times))
+        top = np.abs(beside.u).max(axis=0)
+        right = np.hstack([right, linear])
+        accurate = np.append(sizes, np.where(top > NO_PART * top.max(), top, np.inf))
+    right = right.reshape(len(h), len(inner), -1)
+    apart = np.abs(right[:, m:] - np.einsum("qk,ikn->iqn", interpolate, right[:, :m]))
+    found = (h[:, None] * np.einsum("q,iqn->in", weights, apart) / accurate).max(axis=1)
     return np.where(np.isfinite(found), found, 0.0)
 
 
@@ -74,22 +91,23 @@ def finer(problem: BoundaryEquations, profile: Profile, sizes: Array) -> Array:
 
 
 def resolving(
-    problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array, tolerance: float | None = None
-) -> Array:
+    problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array, tolerance: float | None = None,
+    beside: Profile | None = None,
+) -> Array:  # fmt: skip
     """The mesh h with intervals halved where the solution is not smooth, until the equations are met to the tolerance.
 
     Where it is smooth, a defect falls by 2^(m + 1) in half an interval, and errors are those that the mesh was made
-    for; where it is not, hardly.
+    for; where it is not, hardly.  beside : see `defects`.
     """
     most, tolerance = len(h) + MOST, problem.tolerance if tolerance is None else tolerance
     open_ = np.ones(len(h), dtype=bool)
     for _ in range(LEVELS):
         found = np.zeros(len(h))
-        found[open_] = defects(problem, profile, h, sizes)[open_]
+        found[open_] = defects(problem, profile, h, sizes, beside)[open_]
         open_ = found > tolerance
         if not open_.any():
             break
-        halves = defects(problem, profile, np.repeat(0.5 * h, 2), sizes).reshape(-1, 2).max(axis=1)
+        halves = defects(problem, profile, np.repeat(0.5 * h, 2), sizes, beside).reshape(-1, 2).max(axis=1)
         split = open_ & (halves > STUBBORN * found)
         if not split.any() or len(h) + int(split.sum()) > most:
             break
@@ -123,8 +141,12 @@ def remark(problem: BoundaryEquations, z: Array, natural: Array) -> str:
     def error_of(profile: Profile) -> float:
         own = largest(problem, profile)
         sizes = np.where(own > ROUNDED * natural, own, natural)
-        error = float(defects(problem, profile, profile.h, sizes).max())
-        return error if error > WORTHLESS * estimate(profile, sizes, closed=False)[0] else 0.0  # as the mesh tells
+        found = defects(problem, profile, profile.h, sizes)
+        error = float(found.max())
+        if error <= max(UNRESOLVED * problem.tolerance, WORTHLESS * estimate(profile, sizes, closed=False)[0]):
+            return 0.0  # as the mesh tells
+        moved = defects(problem, profile, profile.h, sizes, shift=NEXT)
+        return error if norm(moved - found) < NOISY * norm(found) else 0.0
 
     worst, where = _worst(problem, z, error_of)
     if worst == 0.0:

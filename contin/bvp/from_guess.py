@@ -79,7 +79,9 @@ class BoundaryGuess:
         return found
 
     def _on_even_mesh(self, two: TwoPoint, problem: BoundaryProblem, intervals: int) -> Profile:
-        h = np.full(intervals, 1.0 / intervals)
+        even, value = np.full(intervals, 1.0 / intervals), float(problem.base[problem.active])
+        coarse = Profile(problem.points, np.zeros((intervals * problem.points + 1, two.n)), 1.0, even, value)
+        h = problem.laid(even, coarse)
         s = node_times(h, problem.points)
         u = np.zeros((len(s), two.n))
         span = self.times[-1] - self.times[0]
@@ -88,7 +90,7 @@ class BoundaryGuess:
             u[:, k] = np.interp(places, self.times, self.states[:, k])
         for k, name in enumerate(two.free):
             u[:, two.n_states + k] = self.p[name]
-        return Profile(problem.points, u, 1.0, h, float(problem.base[problem.active]))
+        return Profile(problem.points, u, 1.0, h, value)
 
 
 def boundary_guess(
@@ -139,7 +141,7 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
         found = profile.vector()
         sizes = np.maximum(largest(problem, profile), 1e-9 * sizes)
         mesh = choose_mesh(profile, sizes, problem.tolerance, problem.intervals, closed=False)
-        h = mesh.h
+        h = problem.laid(mesh.h, profile)
         if problem.intervals is None:  # (functions that are zero but for rounding have their natural size)
             natural = problem.natural_sizes(found, profile, abs(profile.parameter) or 1.0)
             h = resolving(problem, profile, h, np.maximum(sizes, natural))

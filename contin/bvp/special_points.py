@@ -15,6 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp import normal_forms
+from contin.bvp.changing_formulas import moving_jump
 from contin.bvp.condensed import Condensed, linearise, residual_at
 from contin.bvp.continuum import NONE, free_function
 from contin.bvp.defects import finer as finer_mesh
@@ -65,6 +66,8 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
 
 def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The point of this type near a sample, to full precision."""
+    if moving_jump(problem, problem.profile(near.z), problem.sizes(near.z, frame.scale)) is not None:
+        return unverified(type_, "the equations jump at a place that moves along the branch")
     mesh = OnMesh(problem, problem.profile(near.z).h)
     here = _in_unknowns(mesh, near)
     local = Frame(mesh.unknowns(frame.scale))
@@ -227,8 +230,9 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame, q: Array | None = No
     found = reduced.branch_point(near.z)
     if found is None:
         return unverified("BP", "Newton on the reduced equation did not converge")
-    x, left = found.z, max(abs(found.mu), float(np.max(np.abs(found.gradient))))
-    residual = max(float(np.max(np.abs(mesh.residual(x)))), left)
+    x, sizes = found.z, frame.scale[:-1]  # so that a residual does not depend on the functions' units
+    left = max(abs(found.mu), float(np.max(np.abs(found.gradient)))) * float(np.max(np.abs(reduced.column / sizes)))
+    residual = max(float(np.max(np.abs(mesh.residual(x) / sizes))), left)
     if not residual < RESIDUAL_LIMIT:
         return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
 

@@ -59,6 +59,7 @@ from contin.kernels.steering import (
 )
 
 TESTS = 2
+HALF_PI = 0.5 * math.pi
 WANTED = 1.5e-3  # first correction, in the metric, that the step control aims at
 OUTGROWN = 1.5  # of its size, beyond which a function's size is renewed
 
@@ -208,6 +209,16 @@ def renew(c, e, w, s, x, tangent, scale):
     return factorise(c, e, w, s, x.z, tangent, scale, x.border)
 
 
+@kernel("Conditions, Equations, f1, i, i -> f")
+def condition_size(c, e, scale, nodes, k):
+    """How large condition k is where all unknowns have their sizes: jumps of it do not depend on units."""
+    n = e.n
+    total = abs(c.matrix[k, 2 * n + e.active]) * scale[scale.size - 1]
+    for j in range(n):
+        total += abs(c.matrix[k, j]) * scale[j] + abs(c.matrix[k, n + j]) * scale[nodes - n + j]
+    return total if total > 0.0 else 1.0
+
+
 @kernel("Conditions, Equations, Factors, Scratch, f1, i, f, i, f2, f1")
 def measure(c, e, s, x, scale, sign, reference, row, out_t, tests):
     """Tangent (row of out_t) and test functions at x.z, from the factors."""
@@ -222,11 +233,15 @@ def measure(c, e, s, x, scale, sign, reference, row, out_t, tests):
     stretched = length(step, scale, nodes)
     direct(step, scale, nodes, out_t[row])
     tests[0] = out_t[row, x.z.size - 1]
-    for k in range(n):
-        jump[k] = math.cos(1.0 + k)
     right[1] = 0.0
-    solve(c, s, n, m, jump, right, False, step)
-    exponent = math.log(stretched) - math.log(length(step, scale, nodes)) - reference
+    squares = 0.0
+    for which in range(2):  # one alone may be all but normal to the left null vector: the test has no slope
+        for k in range(n):
+            jump[k] = math.cos(1.0 + k - which * HALF_PI) * condition_size(c, e, scale, nodes, k)
+        solve(c, s, n, m, jump, right, False, step)
+        long = length(step, scale, nodes)
+        squares += long * long
+    exponent = math.log(stretched) - 0.5 * math.log(squares) - reference
     tests[1] = sign * math.exp(min(max(exponent, -700.0), 700.0))
 
 

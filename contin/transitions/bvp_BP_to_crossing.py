@@ -22,6 +22,7 @@ from contin.transitions.oriented import oriented
 from contin.transitions.registry import Explored, born
 
 PARALLEL = 0.9999  # cosine from which a direction is the branch's own
+OWN = 0.9  # cosine that the nearest direction has at least, where the branch's own is among them
 
 
 @born(BoundaryProblem, "BP", "the branches that cross", explored=Explored())
@@ -40,10 +41,16 @@ def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> l
     curves = _through(mesh, x, own, scale, point)
     cosines = np.array([abs(float((d / scale) @ own)) / norm(d / scale) for d, _ in curves])
     several = int(point.normal_form.get("branches", 1)) > 1
-    chosen = np.flatnonzero(cosines < PARALLEL) if several else [int(np.argmin(cosines))] if curves else []
+    chosen = _others(cosines) if several else [int(np.argmin(cosines))] if curves else []
     if not len(chosen):
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     return [_seed(problem, point, mesh, oriented(curves[i][0], scale), curves[i][1]) for i in chosen]
+
+
+def _others(cosines: Array) -> list[int]:
+    """Which of several directions are not the branch's own; its tangent is rough where several modes vanish."""
+    own = int(np.argmax(cosines)) if cosines.size and cosines.max() > OWN else -1
+    return [k for k in range(len(cosines)) if k != own and cosines[k] < PARALLEL]
 
 
 def _through(mesh: OnMesh, x: Array, own: Array, scale: Array, point: SpecialPoint) -> list[tuple[Array, Array]]:

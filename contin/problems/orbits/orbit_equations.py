@@ -58,6 +58,10 @@ class OrbitEquations(FamilyOfOrbits):
             np.asarray(self.winding, dtype=float), np.array(self.state_periods, dtype=float),
         )  # fmt: skip
 
+    def laid(self, h: Array, profile: Profile) -> Array:
+        """Any mesh does: where equations change formula, orbits are followed by shooting."""
+        return h
+
     def sizes(self, z: Array, scale: Array) -> Array:
         """The states' sizes (n,) in a metric that belongs to z's mesh."""
         return sizes_of(scale, self.profile(z).h, self.n, self.points)

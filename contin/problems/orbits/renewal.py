@@ -67,6 +67,7 @@ def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float, bes
         unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
         if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
             h = chosen.h
+    h = problem.laid(h, profile)
     same = h is profile.h and np.array_equal(grown, sizes) and longer == period
     return None if same else Fit(h, grown, longer)
 

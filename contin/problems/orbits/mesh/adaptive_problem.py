@@ -33,3 +33,6 @@ class Meshed(Protocol):
 
     def profile(self, z: Array) -> Profile:
         """The solution over [0, 1]."""
+
+    def laid(self, h: Array, profile: Profile) -> Array:
+        """The mesh h with the places among its nodes where the equations change formula; h itself where it has them."""
