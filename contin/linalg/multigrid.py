@@ -24,41 +24,13 @@ from contin.abi import Array, Vector
 from contin.errors import InputError
 from contin.kernels import multigrid as kernels
 from contin.linalg.coloured import Places, placed
+from contin.linalg.packed_rows import DIGITS, Packed
 from contin.machine.threads import in_parts
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-DIGITS: Final = 2.0**31 - 1.0  # of an entry, in units of its matrix
 COARSEST: Final = 2_000  # unknowns up to which the last level is inverted
-
-
-@dataclass(frozen=True, eq=False)
-class Packed:
-    """Rows of a sparse matrix as `contin.kernels.multigrid` reads them, in units of `unit`; none of them is empty."""
-
-    starts: Vector
-    entries: Vector
-    unit: float
-
-    @classmethod
-    def of(cls, matrix: csr_matrix, unit: float = 0.0) -> Packed:
-        """unit : 0: such that the largest entry has all digits."""
-        unit = unit or (float(np.abs(matrix.data).max(initial=0.0)) or 1.0) / DIGITS
-        lengths = np.diff(matrix.indptr)
-        starts = np.concatenate([[0], np.cumsum(np.maximum(lengths, 1))])
-        entries = np.zeros(starts[-1], np.int64)
-        filled = np.ones(len(entries), bool)
-        filled[starts[:-1][lengths == 0]] = False
-        entries[filled] = np.rint(matrix.data / unit).astype(np.int64) << 32 | matrix.indices
-        entries[starts[1:] - 1] |= kernels.END
-        return cls(starts, entries, unit)
-
-    def times(self, x: Array, out: Array, add: bool = False) -> Array:
-        """out = A x, or out + A x, in place; the first rows where `out` is longer."""
-        product = kernels.add_product_rows if add else kernels.product_rows
-        in_parts(0, len(self.starts) - 1, lambda a, b: product(self.starts, self.entries, self.unit, x, out, a, b))
-        return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,11 +135,18 @@ def multigrid(matrix: Any, hierarchy: Callable[[Any], Any] | None = None) -> Mul
     Raises
     ------
     InputError
-        pyamg is missing, entries of the diagonal vanish or have both signs, or the levels end too soon.
+        It is no square matrix, pyamg is missing, entries of the diagonal vanish or have both signs, or the levels end
+        too soon.
     """
     from scipy.sparse import csr_matrix
 
     whole = csr_matrix(matrix, dtype=float)
+    if whole.shape[0] != whole.shape[1]:
+        rows, columns = whole.shape
+        raise InputError(
+            f"multigrid wants a square matrix, not {rows} x {columns}: "
+            "as a preconditioner, write `lambda u, p: contin.multigrid(jacobian(u, p))`"
+        )
     diagonal = whole.diagonal()
     unit = float(diagonal[np.argmax(np.abs(diagonal))])  # pyamg takes squares of entries
     if not np.all(diagonal / unit > 0.0):  # NaN where they all vanish

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 import contin
 from contin.linalg.coloured import Places, placed
 from contin.linalg.krylov import gmres
-from contin.linalg.multigrid import Packed
+from contin.linalg.packed_rows import Packed
 from tests.problems.sparse.test_old_factors import plate
 
 pyamg = pytest.importorskip("pyamg")
@@ -95,6 +95,8 @@ def test_bratus_fold_is_that_of_factors_with_one_set_of_levels():
 
 
 def test_what_no_cycle_can_be_made_of_is_refused_in_words():
+    with pytest.raises(contin.InputError, match="square matrix, not 1 x 9: as a preconditioner, write `lambda u, p"):
+        contin.multigrid(np.zeros(9))  # what `preconditioner=contin.multigrid` would give it
     with pytest.raises(contin.InputError, match="positive everywhere, or negative everywhere"):
         contin.multigrid(sp.diags([1.0, -1.0, 2.0]))
     with pytest.raises(contin.InputError, match="2500 unknowns, more than 2000"):
