@@ -13,6 +13,7 @@ rounding may do anywhere (`tests/noise.py`), `CONTIN_TEST_UNWRITTEN=1` what memo
 import gc
 import os
 import sys
+import warnings
 from pathlib import Path
 
 if os.environ.get("CONTIN_TEST_LIBRARIES") == "processor":
@@ -99,6 +100,7 @@ COST = os.environ.get("CONTIN_TEST_COST")
 
 def pytest_collection_finish():
     """What was collected lives to the end, and is not looked through again."""
+    _tell_of_defects()
     gc.freeze()
     gc.enable()
     gc.set_threshold(50_000, 20, 20)  # 700, 10, 10 look through models and kernels again and again: 4 % of the time
@@ -111,6 +113,22 @@ def pytest_runtest_setup(item):
 
 
 _warned = []
+PROVOKED = ("test_defects.py", "test_a_defect_")
+
+
+def _tell_of_defects():
+    """An error inside contin that was contained is a warning, and so a failure: a retry may have hidden it."""
+    from contin.continuation import defects
+
+    in_words = defects.described
+
+    def described(error):
+        test = os.environ.get("PYTEST_CURRENT_TEST", "")
+        if not any(name in test for name in PROVOKED):
+            warnings.warn(f"{test}: {in_words(error)}", RuntimeWarning, stacklevel=2)
+        return in_words(error)
+
+    defects.described = described
 
 
 def pytest_warning_recorded(warning_message, nodeid):

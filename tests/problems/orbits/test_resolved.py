@@ -73,6 +73,24 @@ def test_a_slaved_state_takes_no_fold_from_a_canard_explosion(eps, slaved):
     assert not family.unexplained
 
 
+@pytest.mark.parametrize("longest", [0.04, 0.02])
+def test_the_coefficient_of_a_fold_where_the_parameter_hardly_moves_is_right_to_its_error(longest):
+    """|dp/ds| < 1e-5 around it. Reference: 120 and 200 intervals, -178.0950082(4) and -178.0950080(2)."""
+    model = Model(
+        "bursting", states={"x": -1.5, "y": -0.5, "z": 0.0}, parameters={"p": -1.0}, equations={
+            "x": "x - x^3/3 - y - 0.259*z + p", "y": "0.1057*(x + 0.7 - 0.959*y - 0.188*z)",
+            "z": "0.23768*(1.385*(x + 1.069) - z - 0.091*y)",
+        },
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "p", (-4.0, 4.0))
+    settings = {"max_step": longest, "steps": 120}
+    family = api.continuation(line["HB1"].switch(), "p", (0.44, 0.51), settings=settings)
+    fold = family["LPC2"]
+    assert fold.values["p"] == pytest.approx(0.50372079815592, abs=fold.error)
+    assert fold.normal_form["b"] == pytest.approx(-178.095008, abs=fold.normal_form["errors"]["b"])
+    assert fold.normal_form["errors"]["b"] < 1e-3
+
+
 def test_parts_have_their_own_multipliers():
     """r' = r (p - r^2), phase 1, drives a rotating pair and a single state: growth rates -2 p, -0.1 +- 3 i and -0.2.
 

@@ -48,9 +48,12 @@ NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 Values = Vector  # of a function at the Gauss points, (N, m, n)
 
 
-def normal_form(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -> Verified:
+def normal_form(
+    problem: OrbitEquations, point: Verified, solved: SolvedOrbit, other: SolvedOrbit | None = None
+) -> Verified:
     """The point with its coefficients, their errors, and the criticality of PD and NS or the kind of BPC.
 
+    other : where another way of solving for it has found the point: the error counts how far its coefficient is off.
     What cannot be computed is a remark.
     """
     try:
@@ -59,10 +62,12 @@ def normal_form(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -
             remark = "" if kind else "BPC: the families that cross there were not told apart; no kind is stated"
             return replace(point, normal_form=kind, remark=remark)
         coarse = coefficient(problem, point.type, solved)
-        fine = coefficient(problem, point.type, solved.finer or solved)
+        error = coarse.error(coefficient(problem, point.type, solved.finer or solved))
+        if other is not None and other is not solved and other.confirmed:
+            error += abs(coefficient(problem, point.type, other).value - coarse.value)
     except (np.linalg.LinAlgError, ZeroDivisionError) as reason:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
-    return stated(point, coarse, coarse.error(fine))
+    return stated(point, coarse, error)
 
 
 def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:

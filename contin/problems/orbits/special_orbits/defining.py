@@ -35,6 +35,7 @@ SCATTERED: Final = 4.0  # the error beside the largest of so few samples of roun
 SAME_PERIOD: Final = 1e-3  # relative difference of periods up to which points on two meshes are the same
 SAFETY: Final = 2.0  # the finer mesh has an error of its own
 UNRESOLVED: Final = 0.2  # distance from 1 of the multiplier on a finer mesh at which a fold by multipliers is none
+FAR_LESS: Final = 0.1
 UNFOLDED: Final = 1e-6  # unfolding parameter (scaled) that a branch point leaves
 
 
@@ -80,6 +81,18 @@ def flat_fold(problem: OrbitEquations, z: Array, scale: Array) -> SolvedOrbit | 
     error = SAFETY * abs(float(found[-1] - z[-1]))
     refined = SolvedOrbit(found, 0.0, residual, error, right, on_finer_mesh(problem, z, scale)[1])
     return SolvedOrbit(z, 0.0, residual, error, right, scale, refined)
+
+
+def is_told_by_equations(problem: OrbitEquations, fold: SolvedOrbit, near: Array) -> bool:
+    """Whether a fold's equations place it better than its multiplier does, z where that passes 1 (`flat_fold`).
+
+    They do where their own period moves far less on a mesh of half the lengths than the two are apart.
+    """
+    if fold.finer is None or not fold.confirmed:
+        return False
+    period = problem.profile(fold.z).period
+    moved, apart = problem.profile(fold.finer.z).period - period, problem.profile(near).period - period
+    return abs(moved) < FAR_LESS * abs(apart)
 
 
 def on_finer_mesh(problem: OrbitEquations, z: Array, scale: Array) -> tuple[Profile, Array]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample, opposite
-from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.equal_multipliers import is_repeated
 from contin.problems.equilibria import special_points
@@ -28,13 +26,12 @@ from contin.problems.orbits.linearised.linear import SINGULAR, OrbitLinear
 from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.linearised.resolved_multipliers import is_planar
 from contin.problems.orbits.normal_forms.normal_form import normal_form
-from contin.problems.orbits.special_orbits.defining import flat_fold, solve_special
+from contin.problems.orbits.special_orbits.defining import flat_fold, is_told_by_equations, solve_special
 from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
 from contin.problems.orbits.symmetric.symmetry import symmetry_of
 from contin.special.table import of_cycle
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
 RESIDUAL_LIMIT = 1e-7  # scaled
@@ -48,7 +45,6 @@ RESOLVED = 1e-3  # ... and the multiplier is told from 1
 BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork passed on its side branch
 LEVEL = 0.02  # cosine of the left null vector and F_p below which a fold may be an imperfect pitchfork of the mesh
 ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
-NO_FORM = "LPC: no coefficient is stated where the parameter is constant to rounding, and the fold's place with it"
 
 
 def explain(a: Sample, b: Sample, standing: bool = False, by_count: bool = True) -> tuple[str, ...] | None:
@@ -121,8 +117,8 @@ def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> O
         return NOTHING
     if type_ == "PD" and _orientable(problem, near.z):
         return NOTHING
-    solved = solve_special(problem, type_, near.z, frame.scale, theta)
-    flat = flat and not _is_there(solved, near, frame)
+    solved = by_equations = solve_special(problem, type_, near.z, frame.scale, theta)
+    flat = flat and not (solved is not None and is_told_by_equations(problem, solved, near.z))
     if flat:
         solved = flat_fold(problem, near.z, frame.scale)
     blurred = solved is None or not solved.confirmed or solved.error > BLURRED * width
@@ -160,12 +156,7 @@ def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> O
         type_, solved.z, solved.residual, error, values, int(np.sum(np.abs(others) > 1.0)),
         vectors={"right": solved.right, "theta": solved.theta},
     )  # fmt: skip
-    return replace(point, remark=NO_FORM) if flat else normal_form(problem, point, solved)
-
-
-def _is_there(fold: SolvedOrbit | None, near: Sample, frame: Frame) -> bool:
-    """Whether a fold's equations have told it from the orbits around it, and it is the one that was asked for."""
-    return fold is not None and fold.confirmed and norm((fold.z - near.z) / frame.scale) < ADJACENT
+    return normal_form(problem, point, solved, by_equations)
 
 
 def _orientable(problem: OrbitEquations, z: Array) -> bool:
