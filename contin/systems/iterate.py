@@ -19,7 +19,6 @@ from contin.systems.rounded import RoundedIterates, otherwise_rounded
 if TYPE_CHECKING:
     from contin.systems.protocol import Described, Limit, System
 
-OPPOSITE = 0.9  # cosine of the ways from the first half to the second of neighbouring cycles that have changed places
 PERIOD = "period"  # the column that says how many steps a cycle has
 
 
@@ -198,23 +197,6 @@ def iterate(system: System, times: int) -> System:
     if isinstance(system, IteratedSystem):
         return IteratedSystem(system.base, system.times * times)
     return system if times == 1 else IteratedSystem(system, times)
-
-
-def halves_change_places(system: IteratedSystem, u: Array, p: Sequence[Array]) -> int | None:
-    """The first row of cycles u (N, n) whose halves stand where those of the row before stood, exchanged.
-
-    p : the parameters of each (m,).
-
-    Between the two rows the halves were the same.
-    """
-    half = iterate(system.base, system.times // 2)
-    apart = np.array([half.value(x, others) - x for x, others in zip(u, p, strict=True)])
-    size = np.abs(apart).max(axis=0)
-    apart = apart / np.where(size > 0.0, size, 1.0)
-    lengths = np.sqrt(np.sum(apart * apart, axis=1))
-    cosines = np.sum(apart[1:] * apart[:-1], axis=1)
-    turned = np.flatnonzero(cosines < -OPPOSITE * lengths[1:] * lengths[:-1])
-    return int(turned[0]) + 1 if len(turned) else None
 
 
 def sizes_along(system: System, u: ArrayLike, p: ArrayLike) -> Array:

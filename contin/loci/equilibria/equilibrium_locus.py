@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.branch import End
 from contin.continuation.outcome import Outcome
 from contin.continuation.position import elsewhere, position
+from contin.continuation.problem import Renewal
 from contin.continuation.sample import STOPS, Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
@@ -23,6 +25,7 @@ from contin.loci.curve_of_points import LONGEST, CurveOfPoints, scalar_columns
 from contin.loci.equilibria import timeless
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.extended import ExtendedCurve
+from contin.loci.equilibria.half_cycles import halves_change_places, is_doubling, is_even
 from contin.loci.equilibria.march import march, probe
 from contin.loci.equilibria.neutral_plane import across
 from contin.loci.neutral import with_told_crossings
@@ -31,7 +34,6 @@ from contin.machine import elementary
 from contin.problems.algebraic_states import finite_eigenvalues
 from contin.problems.state_columns import state_columns
 from contin.simulate.reach import has_reach, left_reach
-from contin.systems.iterate import IteratedSystem, halves_change_places
 from contin.systems.protocol import is_timeless
 
 CHUNK = 250  # rows after which the border is looked at again
@@ -258,9 +260,17 @@ class LocusProblem(CurveOfPoints):
 
     def past_half(self, z: Array) -> int | None:
         """Where the two halves of a cycle have changed places from one row to the next."""
-        if not isinstance(self.system, IteratedSystem) or self.system.times % 2:
+        if not is_even(self.system):
             return None
         return halves_change_places(self.system, z[:, : self.n], [self.curve.full_parameters(row) for row in z])
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """What a curve of folds of cycles of maps was near when its corrector failed: a generalised period doubling."""
+        z = origin.z
+        if self.locus != "LP" or not is_doubling(self.system, z[: self.n], self.curve.full_parameters(z)):
+            return None
+        text = "came together with cycles of half the period, at their generalised period doubling near "
+        return Renewal(frame.scale, origin, before, None, End("joined", text + self.place(z)))
 
     def columns(self, z: Array) -> dict[str, Array]:
         def parameters() -> Array:

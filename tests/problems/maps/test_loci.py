@@ -73,6 +73,31 @@ def test_folds_of_doubled_cycles_end_where_they_meet_the_fixed_point():
     assert folds.points == ()
 
 
+def test_folds_of_doubled_cycles_come_to_generalised_doublings_where_their_equations_become_singular():
+    """A quadratic map of three states: both ends of the curve are points GPD of the curve of doublings."""
+    model = Model(
+        "quadratic", kind="map", states={"x0": 0.0, "x1": 0.0, "x2": 0.0}, parameters={"p": 0.0, "q": 0.2}, equations={
+            "x0": "-0.403*p + 0.314*q - 0.735*x0 + 0.18*x1 + 0.411*x2 - 0.375*x0*x0 - 0.534*x0*x1 - 0.27*x0*x2 +"
+            " 0.189*x1*x1 + 0.075*x1*x2 - 0.42*x2*x2",
+            "x1": "-0.135*p + 0.169*q - 0.139*x0 + 0.24*x1 + 0.841*x2 + 0.22*x0*x0 - 0.13*x0*x1 - 0.375*x0*x2 -"
+            " 0.185*x1*x1 + 0.013*x1*x2 + 0.469*x2*x2",
+            "x2": "0.551*p - 0.182*q + 0.764*x0 - 0.052*x1 + 0.349*x2 - 0.471*x0*x0 - 0.475*x0*x1 - 0.358*x0*x2 +"
+            " 0.461*x1*x1 + 0.216*x1*x2 + 0.419*x2*x2",
+        },
+    )  # fmt: skip
+    box = {"p": (-3, 3), "q": (-2, 2)}
+    line = contin.continuation(contin.equilibrium(model), "p", (-3, 3))
+    cycles = contin.continuation(line["PD2"].switch(), "p", (-3, 3), settings={"stop_at": ["LP"]})
+    folds = contin.continuation(cycles["LP1"].locus(), ("p", "q"), box)
+    assert [end.reason for end in folds.ends] == ["joined", "joined"]
+    assert all("generalised period doubling" in end.text for end in folds.ends)
+    doublings = contin.continuation(line["PD1"].locus(), ("p", "q"), box)
+    places = [(point.values["p"], point.values["q"]) for point in doublings.points if point.type == "GPD"]
+    for row in (0, -1):
+        here = folds.columns["p"][row], folds.columns["q"][row]
+        assert min(np.hypot(*np.subtract(here, place)) for place in places) < 1e-4
+
+
 @pytest.mark.parametrize("unit", [1e-6, 1e6])
 def test_generalised_doublings_of_cycles_are_found_in_any_unit_of_the_states(unit):
     """An adaptive controller (Frouzakis, Adomaitis, Kevrekidis 1991): c, and its rounding errors, go as 1/unit^2.
