@@ -51,9 +51,17 @@ class ConnectingOrbit:
     reversor: Reversor | None = None  # then the orbit is symmetric, and half of it is solved for
 
     def locus(self, parameters: tuple[str, str]) -> list[Seed]:
-        """The curve of connecting orbits in two parameters, which starts at the present value of the second one."""
+        """The curve of connecting orbits in two parameters, which starts at the present value of the second one.
+
+        Where the first one moves no orbit to the second saddle (a plane that stays invariant), of the first one.
+        """
         first, second = indices(self.system, parameters)
-        return [self._found(first, second)]
+        try:
+            return [self._found(first, second)]
+        except NoSolutionError:
+            with suppress(ContinError):  # the failure with the parameters as they are named is told
+                return [self._named_anew(self._found(second, first), first, second)]
+            raise
 
     def seed(self, parameter: str) -> Seed:
         """The branch of connecting orbits in one parameter, which starts at its present value."""
@@ -80,6 +88,15 @@ class ConnectingOrbit:
             ends = self.saddles[:1] if loop else np.array([self.saddles[0], self.saddles[1] + winding])
             guesses.append((curve, arc, ends))
         return self._told(*_first_solved(guesses, q))
+
+    def _named_anew(self, seed: Seed, first: int, second: int) -> Seed:
+        """An orbit that was found with the parameters the other way round."""
+        curve, z = seed.problem.curve, seed.z  # type: ignore[attr-defined]
+        arc, q = curve.profile(z), float(z[-2])
+        orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(self.system.n), 4)
+        own = replace(curve, orbits=orbits, second=second)
+        found = solved_connection(own, replace(arc, parameter=q), curve.equilibria(z), arc.parameter, None)
+        return replace(found, remarks=seed.remarks)
 
     def _told(self, seed: Seed, guess: Profile) -> Seed:
         """The seed, with a note where samples have led to an orbit that is not near them."""

@@ -39,7 +39,7 @@ def solved_connection(curve: ConnectionCurve, arc: Profile, ends: Array, q: floa
         profile = curve.profile(z)
         scale = problem.scale_for(profile.h, sizes, first, second)
         solved = problem.at_held(z, scale)
-        if solved is None and curve.node:  # folds that the first parameter does not move
+        if solved is None and not problem.isolated:  # orbits that the first parameter does not move
             solved = problem.at_unknown(-1, z, arc.parameter, scale)
         if solved is None:
             raise InputError(f"{source}: Newton's method for the connecting orbit, whole, did not converge")

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
+from contin.model.advice import closest
 from contin.model.expression import Expression, is_condition, sub, symbol, symbols_in
 from contin.model.functionals import FunctionalReader
 from contin.model.inline import Formulas
@@ -29,6 +30,8 @@ PARTS: Final[Mapping[str, str]] = {
     "max": "max({0})", "min": "min({0})", "amplitude": "((max({0}) - min({0}))/2)", "norm": "norm({0})",
     "mean": "mean({0})", "start": "{0}(start)",
 }  # fmt: skip
+
+DOTTED: Final = re.compile(r"(?<![\w.])([^\W\d]\w*)\s*\.\s*([^\W\d]\w*)(?!\w*\s*\()")  # NAME.WORD, not np.sin(
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,12 @@ def relations_on_orbits(
         left, sign, right = _sides(text, problems, (*path, k))
         if not sign:
             continue
-        residual = sub(*(reader.number(_written_out(side, model), (*path, k)) for side in (left, right)))
+        sides = [_written_out(side, model) for side in (left, right)]
+        unknown = next((match for side in sides if (match := DOTTED.search(side))), None)
+        if unknown is not None:
+            problems.add((*path, k), _no_such_part(model, unknown[1], unknown[2]))
+            continue
+        residual = sub(*(reader.number(side, (*path, k)) for side in sides))
         used = {name: reader.found[name] for name in symbols_in([residual]) if name in reader.found}
         ends = [f for f in used.values() if f.kind in ("start", "end")]
         if ends and model.forcing is None:
@@ -126,6 +134,15 @@ def _sides(text: str, problems: Problems, path: Path) -> tuple[str, str, str]:
         problems.add(path, "a condition is an equation with one `=`, such as period = 5")
         return left, "", right
     return left, sign, right
+
+
+def _no_such_part(model: Model, name: str, part: str) -> str:
+    """What may stand where NAME.PART does."""
+    known = [*model.state_names, *(n for n in model.observables if n not in model.state_names)]
+    if name not in known:
+        return f"{name}.{part}: {name} is no state or observable; they are {', '.join(known[:8])}"
+    near = closest(part, PARTS) or f"there are {', '.join(f'{name}.{each}' for each in PARTS)}"
+    return f"{name} has no {part!r} on an orbit: {near}"
 
 
 def _written_out(text: str, model: Model) -> str:

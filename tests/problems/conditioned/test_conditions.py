@@ -1,5 +1,7 @@
 """Solutions under conditions: closed forms, elliptic integrals, and independent runs without conditions."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.special import ellipk
@@ -195,3 +197,21 @@ def test_a_run_under_conditions_may_start_from_an_extremum(tmp_path):
     columns = results(tmp_path / "out.json")["branches"][1]["columns"]
     assert len(columns["p"]) > 5
     np.testing.assert_allclose(columns["q"], (np.array(columns["p"]) - 2.0) ** 2 / 4.0, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("condition", "words"),
+    [
+        ("x.maxx = 1", "x has no 'maxx' on an orbit: did you mean 'max'?"),
+        ("x.top = 1", "there are x.max, x.min, x.amplitude"),
+        ("z.max = 1", "z is no state or observable; they are x, y"),
+        ("np.sin(x.max) = 1", "functions stand without their library"),
+    ],
+)
+def test_a_part_that_no_orbit_has_is_answered_with_those_it_has(condition, words):
+    model = contin.Model(
+        "circle", states={"x": 1, "y": 0}, parameters={"m": 1},
+        equations={"x": "x*(m - x^2 - y^2) - y", "y": "y*(m - x^2 - y^2) + x"},
+    )  # fmt: skip
+    with pytest.raises(contin.ContinError, match=re.escape(words)):
+        relations(model, [condition], on_orbits=True)
