@@ -41,7 +41,7 @@ class Stretch:
             return compiled[0]
         s_a, s_b = lengths
         s = s_a + fraction * (s_b - s_a)
-        found = self.problem.probe(self.base, s, self._hermite(a, b, s_b - s_a, fraction), self.frame, self.settings)
+        found = self.problem.probe(self.base, s, self.hermite(a, b, s_b - s_a, fraction), self.frame, self.settings)
         return found if found is None or self._is_near(found, a, b, 2.0 * self.distance(a, b)) else None
 
     def several(self, a: Sample, b: Sample, fractions: Sequence[float]) -> Sequence[Sample | None]:
@@ -51,7 +51,7 @@ class Stretch:
         if compiled is not None:
             return compiled
         x = np.asarray(fractions)
-        guesses = self._hermite(a, b, s_b - s_a, x[:, None])
+        guesses = self.hermite(a, b, s_b - s_a, x[:, None])
         samples = self.problem.probes(self.base, s_a + x * (s_b - s_a), guesses, self.frame, self.settings)
         slack = 2.0 * self.distance(a, b)
         return [s if s is not None and self._is_near(s, a, b, slack) else None for s in samples]
@@ -75,7 +75,7 @@ class Stretch:
         """False where Newton jumped to another branch."""
         return self.distance(found, a) <= slack and self.distance(found, b) <= slack
 
-    def _hermite(self, a: Sample, b: Sample, h: float, x: float | Array) -> Array:
+    def hermite(self, a: Sample, b: Sample, h: float, x: float | Array) -> Array:
         """Guesses at fractions x of the way from a to b, which is h long: a number, or (k, 1) for k rows."""
         chord = b.z - a.z
         linear, left = a.z + x * chord, 1 - x

@@ -25,6 +25,7 @@ from contin.problems.orbits.measured.columns import names_of
 from contin.problems.orbits.measured.measures import Measures, standard_names
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.scales import parameter_width
+from contin.problems.symmetry import symmetry_names
 from contin.simulate.reach import first_to_leave, has_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.corotating import frame_generator
@@ -196,8 +197,11 @@ class FamilyOfOrbits(InOneParameterProblem):
         return alike(one, other, self.winding, self.state_periods)
 
     def together(self, a: Sample, b: Sample) -> Together | None:
-        """NS and PD: of several at 1 the bordered equations are solved (BPC)."""
-        return None if self.system.n_switches else passing_together(a, b, self.autonomous, ("NS", "PD"))
+        """Where the flow is smooth; at 1 declared symmetries tell which families cross (BPC), by bordered equations."""
+        if self.system.n_switches:
+            return None
+        types = ("NS", "PD") if symmetry_names(self) else ("NS", "PD", "BPC")
+        return passing_together(a, b, self.autonomous, types)
 
     def test_of(self, type_: str) -> int | None:
         return None if type_ == "flat" else test_on_branch(type_)

@@ -19,7 +19,7 @@ from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.linalg.multigrid import Multigrid
 from contin.linalg.probed import ProbedMatrix, entries
 from contin.problems.sparse.old_factors import OldFactors
-from contin.systems.functions.derivatives import COMPLEX_STEP
+from contin.systems.functions.complex_steps import COMPLEX_STEP, slope
 from contin.systems.functions.function_system import FunctionSystem
 from contin.systems.functions.guarded import called, vector
 from contin.systems.functions.stencils import differentiated
@@ -180,7 +180,7 @@ class JacobianSource:
                     chosen = np.arange(first, min(first + block, count))
                     steps = np.where(colours == chosen[:, None], size, 0.0)
                     moved = self.system.quickly_at_rows(u + 1j * COMPLEX_STEP * steps, circled)
-                    slopes[chosen] = np.imag(moved) / COMPLEX_STEP
+                    slopes[chosen] = slope(moved, COMPLEX_STEP)
             else:
                 for c in range(count):
                     step = np.where(colours == c, size, 0.0)

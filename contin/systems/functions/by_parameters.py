@@ -13,7 +13,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import UserFunctionError
 from contin.records import Fields
-from contin.systems.functions.derivatives import COMPLEX_STEP
+from contin.systems.functions.complex_steps import COMPLEX_STEP, slope
 
 Function = Callable[[Vector, Vector], Vector]
 SAME: Final = 1e-9  # part of a slope that rounding may change, ...
@@ -36,8 +36,8 @@ def by_step(function: Function, u: Vector, p: Array, steps: Array) -> Array | No
             found = function(u, moved(p, steps))
     except UserFunctionError:
         return None  # with complex states it is told whose fault that is
-    slope = np.asarray(np.imag(found) / COMPLEX_STEP)
-    return slope if np.all(np.isfinite(slope)) else None
+    slopes = slope(found, COMPLEX_STEP)
+    return slopes if np.all(np.isfinite(slopes)) else None
 
 
 def at_rows(residual: Callable[..., Any], u: Array, named: Fields) -> Array | None:
@@ -53,7 +53,7 @@ def at_rows(residual: Callable[..., Any], u: Array, named: Fields) -> Array | No
         return None  # each row is asked alone then, which says in words what is wrong
     if found.shape != u.shape or found.dtype.kind not in "biufc":
         return None
-    slopes = np.asarray(np.imag(found) / COMPLEX_STEP)
+    slopes = slope(found, COMPLEX_STEP)
     return slopes if np.all(np.isfinite(slopes)) else None
 
 

@@ -21,13 +21,13 @@ from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.systems.functions import tiny
 from contin.systems.functions.circles import EPS, TINY, coefficients, derivative_on_circle, nodes
+from contin.systems.functions.complex_steps import COMPLEX_STEP, slope
 from contin.systems.functions.generic_change import GenericChange
 from contin.systems.functions.known_lines import KnownLines, Line
 from contin.systems.functions.polarised import are_alike, polarised
 from contin.systems.functions.stencils import differentiated
 from contin.systems.functions.tensors import second, third
 
-COMPLEX_STEP = 1e-30
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
 MANY = 20_000  # states that are asked in one direction
 ROUNDED = 8.0 * EPS  # a length that is off by this from 1 is 1
@@ -65,22 +65,10 @@ class Lines:
         if self.analytic:
             h = COMPLEX_STEP * self._reach(u, p, v)
             n = len(u)
-            return np.asarray(np.imag(self.function(u + 1j * h * v[:n], p + 1j * h * v[n:])) / h)
+            return slope(self.function(u + 1j * h * v[:n], p + 1j * h * v[n:]), h)
         if self.slope is not None:
             return self.slope(u, p, v)
         return self.pure(u, p, v, 1)
-
-    def columns(self, u: Array, p: Array) -> Array:
-        """[dF/du dF/dp] (n, n + m) by complex steps, of an analytic F: `first` along all axes, with its sizes once."""
-        n = len(u)
-        steps = COMPLEX_STEP * np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
-        states, others = u.astype(complex), p.astype(complex)
-        found = np.empty((n, len(steps)))
-        for j, h in enumerate(steps.tolist()):
-            moved, k = (states.copy(), j) if j < n else (others.copy(), j - n)
-            moved[k] += 1j * h
-            found[:, j] = np.imag(self.function(moved, others) if j < n else self.function(states, moved)) / h
-        return found
 
     def pure(self, u: Array, p: Array, v: Vector, order: int) -> Vector:
         """D^k F[v, ..., v], k = `order`."""

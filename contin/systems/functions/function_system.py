@@ -17,10 +17,10 @@ from contin.errors import InputError, InputWarning, NotFiniteError, UserFunction
 from contin.linalg.probed import ProbedMatrix
 from contin.normalforms.jet import expand_complex
 from contin.records import Fields
-from contin.systems.functions import by_parameters
+from contin.systems.functions import by_parameters, complex_steps
 from contin.systems.functions.derivatives import Lines, is_analytic
 from contin.systems.functions.grain import Grain
-from contin.systems.functions.guarded import called, numbers, vector
+from contin.systems.functions.guarded import as_array, called, numbers, vector
 from contin.systems.functions.stencils import STEPS
 from contin.systems.functions.trials import BESIDE, not_analytic, real, try_function
 from contin.systems.protocol import form_by_form, one_by_one
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from contin.systems.protocol import Limit
 
 PROBED = 20  # states from which a Jacobian that is not given is looked at for zeros
-LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
 SLOPES = 1e-12  # what stencils of first derivatives leave where their inner pairs differ by `stencils.RESOLVED_SLOPE`
 OTHERS = (1.4, 0.7)  # times the usual width of differences, to tell their errors
 NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
@@ -48,6 +47,7 @@ class FunctionSystem:
     jacobian_address = NO_FUNCTION
     is_forced = False
     n_switches = 0
+    look_again = 8  # Jacobians by complex steps after which these are compared with differences
     limits: tuple[Limit, ...] = ()
 
     def __init__(self, model: GivenFunction) -> None:
@@ -245,7 +245,7 @@ class FunctionSystem:
     @cached_property
     def _takes_real_states(self) -> bool:
         """Asked of large systems only, where an evaluation is dear."""
-        if self.model.method == "dense":
+        if self.model.method == "dense" or self.n < PROBED:
             return False
         u0, p0 = self.model.start_point()
         return by_parameters.takes_real_states(self._bare, u0, p0, self.lines.sizes)
@@ -307,7 +307,7 @@ class FunctionSystem:
             given = self.model.jacobian
 
             def evaluate() -> Array:
-                matrix = _dense(called("Jacobian", given, u, self._named(p)))
+                matrix = as_array(called("Jacobian", given, u, self._named(p)))
                 if np.shape(matrix) != (self.n, self.n):
                     raise UserFunctionError(
                         f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {np.shape(matrix)}"
@@ -328,11 +328,27 @@ class FunctionSystem:
         return self.lines.first(u, p, np.concatenate([v, np.zeros(self.m)]))
 
     def _by_complex_steps(self, u: Array, p: Array) -> bool:
-        """Whether all columns of [dF/du dF/dp] come from complex steps, one by one."""
-        if self.model.jacobian is not None or self.model.parameter_jacobian is not None or self.n >= PROBED:
+        """Whether all columns of [dF/du dF/dp] come from complex steps: of few states they cost less than a sparse
+        matrix, or products with one."""
+        dense = self.model.jacobian is not None and self.model.method == "dense"
+        if dense or self.model.parameter_jacobian is not None or self.n >= PROBED:
             return False
         self.watch_steps(u, p)
         return self.lines.analytic
+
+    def _columns(self, u: Array, p: Array, first: int = 0) -> Array:
+        """[dF/du dF/dp] from the column `first` on, by complex steps."""
+        found = complex_steps.columns(self.model.residual, u, p, self.parameter_names, self.lines.sizes, first)
+        if found is not None:
+            return found
+        return np.column_stack([self.lines.first(u, p, v) for v in np.eye(self.n + self.m)[first:]])
+
+    def _slopes_by_all(self, u: Array, p: Array) -> Array:
+        """[dF/du dF/dp] (n, n + m), dense."""
+        matrix = self.state_jacobian(u, p)
+        if self.model.parameter_jacobian is None and self.lines.analytic and not self._takes_real_states:
+            return np.hstack([matrix, self._columns(u, p, self.n)])
+        return np.column_stack([matrix, *(self.parameter_slope(u, p, k) for k in range(self.m))])
 
     def sizes_at(self, u: Array) -> Array:
         """Of the states, (n,): |u|, or typical ones where those are larger."""
@@ -341,7 +357,7 @@ class FunctionSystem:
     def watch_steps(self, u: Array, p: Array) -> None:
         """Look now and then whether complex steps still give derivatives."""
         self._made += 1
-        if self.lines.analytic and self._made % LOOK_AGAIN == 0:
+        if self.lines.analytic and self._made % self.look_again == 0:
             self._look_again(u, p)
 
     def slopes(self, u: Array, p: Array) -> Any:
@@ -365,12 +381,9 @@ class FunctionSystem:
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """F (n,) and dF/dz (n, n + m)."""
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
-        if self._by_complex_steps(states, others):
-            with np.errstate(all="ignore"):
-                return self.value(states, others), self.lines.columns(states, others)
         with np.errstate(all="ignore"):
-            columns = [self.parameter_slope(states, others, k) for k in range(self.m)]
-            matrix = np.column_stack([self.state_jacobian(states, others), *columns])
+            by_steps = self._by_complex_steps(states, others)
+            matrix = (self._columns if by_steps else self._slopes_by_all)(states, others)
         return self.value(states, others), matrix
 
     def values(self, u: Array, p: Array) -> Array:
@@ -477,24 +490,14 @@ class FunctionSystem:
         if np.iscomplexobj(direction):
             return self.gradient(u, p, direction.real) + 1j * self.gradient(u, p, direction.imag)
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
-        if self._by_complex_steps(states, others):
-            with np.errstate(all="ignore"):
-                return self.lines.along(self.lines.columns, states, others, direction)
-        if self.lines.analytic or self.model.jacobian is not None:
-            return self.lines.along(lambda a, b: self.jacobian(a, b)[1], states, others, direction)
+        with np.errstate(all="ignore"):
+            if self._by_complex_steps(states, others):
+                return self.lines.along(self._columns, states, others, direction)
+            if self.lines.analytic or self.model.jacobian is not None:
+                return self.lines.along(self._slopes_by_all, states, others, direction)
         unit = np.eye(self.n + self.m)
         return np.column_stack([self.derivative(u, p, direction, row) for row in unit])
 
     def gradients(self, u: Array, p: Array, v: Vector) -> Vector:
         """`gradient` at N points: u (N, n), p (N, m), v (N, n + m) real or complex; (N, n, n + m)."""
         return np.stack([self.gradient(*at) for at in zip(u, p, v, strict=True)])
-
-
-def _dense(matrix: Any) -> Any:
-    """A Jacobian as an array, also where the function gives it sparse or as products."""
-    from scipy.sparse import issparse
-    from scipy.sparse.linalg import LinearOperator
-
-    if issparse(matrix):
-        return matrix.toarray()
-    return matrix @ np.eye(matrix.shape[1]) if isinstance(matrix, LinearOperator) else matrix

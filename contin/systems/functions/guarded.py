@@ -47,3 +47,13 @@ def numbers(what: str, value: object) -> dict[str, float]:
             shown = f"shape {np.shape(entry)}" if np.ndim(entry) else repr(entry)
             raise UserFunctionError(f"{what} must return a mapping of names to numbers; {name!r} has {shown}")
     return {name: float(entry) for name, entry in value.items()}
+
+
+def as_array(matrix: Any) -> Any:
+    """A Jacobian as an array, also where the function gives it sparse or as products."""
+    from scipy.sparse import issparse
+    from scipy.sparse.linalg import LinearOperator
+
+    if issparse(matrix):
+        return matrix.toarray()
+    return matrix @ np.eye(matrix.shape[1]) if isinstance(matrix, LinearOperator) else matrix

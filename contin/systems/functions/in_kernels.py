@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 from contin.abi import NO_FUNCTION, Address, Array
 from contin.systems.functions.function_system import FunctionSystem
 
-Numbers = ctypes.POINTER(ctypes.c_double)
 Handler = Callable[..., None]
 
 
@@ -43,6 +42,7 @@ class FunctionInKernels(FunctionSystem):
     """The same values and derivatives as `FunctionSystem`, with addresses; these are valid while the object lives."""
 
     constraints = None
+    look_again = 64  # an orbit has some hundred points, a trajectory as many steps
     _raised: BaseException | None = None
 
     @cached_property
@@ -53,7 +53,7 @@ class FunctionInKernels(FunctionSystem):
     def _jacobian_callback(self) -> tuple[object, Address]:
         n, width = self.n, self.n + self.m
 
-        def call(u: object, p: object, f: object, matrix: object) -> None:
+        def call(u: int, p: int, f: int, matrix: int) -> None:
             value, slopes = _view(f, n), _view(matrix, n * width)
             value[:], slopes[:] = np.nan, np.nan
             try:
@@ -68,7 +68,7 @@ class FunctionInKernels(FunctionSystem):
     def _gradient_callback(self) -> tuple[object, Address]:
         n, width = self.n, self.n + self.m
 
-        def call(u: object, p: object, v: object, along: object, out: object) -> None:
+        def call(u: int, p: int, v: int, along: int, out: int) -> None:
             product, matrix = _view(along, n), _view(out, n * width)
             product[:], matrix[:] = np.nan, np.nan
             try:
@@ -81,7 +81,7 @@ class FunctionInKernels(FunctionSystem):
         return _address_of(call, 5)
 
     def _callback(self, inputs: int, size: int, of: Callable[[Array, Array], Array]) -> tuple[object, Address]:
-        def call(u: object, p: object, out: object) -> None:
+        def call(u: int, p: int, out: int) -> None:
             value = _view(out, size)
             value[:] = np.nan
             try:
@@ -135,12 +135,12 @@ class FunctionInKernels(FunctionSystem):
         return super().why_not_finite(u, p)
 
 
-def _view(pointer: object, size: int) -> Array:
+def _view(address: int, size: int) -> Array:
     """The numbers at an address, not copied."""
-    return np.ctypeslib.as_array(pointer, (size,)) if size else np.empty(0)
+    return np.frombuffer(memoryview((ctypes.c_double * size).from_address(address))) if size else np.empty(0)
 
 
 def _address_of(call: Handler, arguments: int) -> tuple[object, Address]:
     """What must be kept while the address is used, and the address."""
-    kept = ctypes.CFUNCTYPE(None, *[Numbers] * arguments)(call)
+    kept = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * arguments)(call)
     return kept, int(ctypes.cast(kept, ctypes.c_void_p).value or 0)

@@ -93,7 +93,7 @@ def _compared(
     outer, inner = stencil(order), stencil(order, 1 if order == 1 else HALF_WIDTHS[order] - 1)
     h = STEPS[order] * reach
     values = {k: np.asarray(value(k * h), dtype=float) for k, _ in outer}
-    scale = elementary.pow(h, order)
+    scale = h if order == 1 else elementary.pow(h, order)
     found, within = weighted(outer, values) / scale, weighted(inner, values) / scale
     largest = np.max([np.abs(v) for v in values.values()], axis=0)
     largest = largest.max() if order == 1 else largest

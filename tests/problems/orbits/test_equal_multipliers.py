@@ -11,6 +11,7 @@ where R^2 (1 - 2 R^2) = q.
 
 import numpy as np
 import pytest
+import sympy
 
 import contin
 from contin.errors import InputError
@@ -128,3 +129,50 @@ def test_equal_multipliers_minus_one_are_one_label(copies):
     assert point.vectors["kernel"] == copies
     with pytest.raises(InputError, match=f"{copies} multipliers are critical at once"):
         point.switch()
+
+
+DISPERSED, SHIFT = 2.0, 1.2  # Benjamin and Feir: in step is unstable from R^2 = q (1 + e^2) / (2 (e m - 1)) on
+
+
+def three(z, r):
+    """Three cells of the cubic equation, each beside the others, k = .08, as (u, v) of every cell."""
+    rows, sums = [], (z[0] + z[2] + z[4], z[1] + z[3] + z[5])
+    for u, v in zip(z[::2], z[1::2], strict=True):
+        du, dv, s = sums[0] - 3 * u, sums[1] - 3 * v, u**2 + v**2
+        rows += [0.08 * (du - DISPERSED * dv) + (r - s) * u - (1 + SHIFT * s) * v]
+        rows += [0.08 * (dv + DISPERSED * du) + (r - s) * v + (1 + SHIFT * s) * u]
+    return rows
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_two_real_multipliers_that_pass_one_are_one_label_at_the_place_of_the_closed_form(written):
+    """Of a function and of formulas without declared symmetries: Newton's method for one branch point halves its error
+    a step there, and orbits beside it are found on the branches that cross."""
+    calls = []
+
+    def residual(z, p):
+        calls.append(1)
+        return np.array(three(z, p["r"]))
+
+    names = ["u0", "v0", "u1", "v1", "u2", "v2"]
+    if written:
+        made = three(sympy.symbols(names), sympy.Symbol("r"))
+        equations = {name: str(one).replace("**", "^") for name, one in zip(names, made, strict=True)}
+        model = contin.load(
+            {"name": "c", "states": dict.fromkeys(names, 0.0), "parameters": {"r": 0.35}, "equations": equations}
+        )
+    else:
+        model = contin.FunctionProblem(residual, np.zeros(6), {"r": 0.35}, states=names)
+    times = np.linspace(0.0, 2 * np.pi / (1 + SHIFT * 0.35), 21)
+    angle = (1 + SHIFT * 0.35) * times
+    circle = np.sqrt(0.35) * np.column_stack([np.cos(angle), np.sin(angle)])
+    orbit = contin.periodic_orbit(model, np.tile(circle, 3), times=times, intervals=8)
+    branch = contin.continuation(orbit, "r", (0.35, 0.5), settings={"intervals": 8, "step": 0.3, "max_step": 0.5})
+    assert [(p.label, p.vectors["kernel"]) for p in branch.points] == [("BPC1", 2)]
+    exact = 0.24 * (1 + DISPERSED**2) / (2 * (DISPERSED * SHIFT - 1))
+    point = branch["BPC1"]
+    assert abs(point.values["r"] - exact) <= point.error < 1e-6
+    assert [note for note in branch.notes if "2 multipliers pass 1 at once" in note] == list(branch.notes)
+    assert branch.columns["unstable"][0] == 0
+    assert branch.columns["unstable"][-1] == 2
+    assert len(calls) < 150_000
