@@ -59,6 +59,52 @@ def algebraic():
     return contin.FunctionProblem(residual, [1.0, 1.0, 1.0], VALUES, mass=[1.0, 1.0, 0.0], **names)
 
 
+class Elsewhere:
+    """An array of another module: it refuses to be made one of numpy's."""
+
+    def __init__(self, numbers):
+        self.numbers = np.array(numbers)
+
+    def __array__(self, *arguments, **options):
+        raise TypeError("implicit conversion")
+
+    def __getitem__(self, place):
+        return Elsewhere(self.numbers[place])
+
+    def __add__(self, other):
+        return Elsewhere(self.numbers + getattr(other, "numbers", other))
+
+    def __mul__(self, other):
+        return Elsewhere(self.numbers * getattr(other, "numbers", other))
+
+    __rmul__, __radd__ = __mul__, __add__
+
+
+def stacked(*parts):
+    return Elsewhere([part.numbers for part in parts])
+
+
+def elsewhere():
+    """The flow with arrays of its own, and its Jacobian by products alone."""
+
+    def residual(u, p):
+        x, y = u[0], u[1]
+        assert isinstance(u, Elsewhere)
+        return stacked(p["A"] + (-p["B"] - 1) * x + x * x * y, p["B"] * x + -1 * (x * x * y))
+
+    def product(u, p):
+        x, y = u[0], u[1]
+
+        def along(v):
+            change = 2 * x * y * v[0] + x * x * v[1]
+            return stacked((-p["B"] - 1) * v[0] + change, p["B"] * v[0] + -1 * change)
+
+        return along
+
+    arrays = (Elsewhere, lambda given: given.numbers)
+    return contin.FunctionProblem(residual, [1.0, 1.0], VALUES, product, arrays=arrays, **NAMES)
+
+
 KINDS = {
     "formulas": lambda: contin.load("classics/brusselator"),
     "value only": function,
@@ -68,6 +114,7 @@ KINDS = {
     "matrix-free": lambda: function(
         lambda u, p: LinearOperator((2, 2), matvec=lambda v: slopes(u, p) @ v, dtype=float)
     ),
+    "other arrays": elsewhere,
     "mass": with_mass,
     "singular mass": algebraic,
     "map": lambda: contin.FunctionProblem(

@@ -292,11 +292,12 @@ class FunctionSystem:
 
     def parameter_slopes(self, u: Array, p: Array, k: int) -> Array:
         """`parameter_slope` at the rows of u (K, n), (K, n)."""
-        if self.model.parameter_jacobian is None and self.lines.analytic and self._takes_real_states:
+        if self.model.parameter_jacobian is None and self.lines.analytic:
             steps = np.zeros(self.m)
             steps[k] = max(abs(float(p[k])), float(self.lines.sizes[self.n + k]))
             with np.errstate(all="ignore"):
-                found = by_parameters.at_rows(self.model.residual, u, self._named(by_parameters.moved(p, steps)))
+                rows = u if self._takes_real_states else u + 0j
+                found = by_parameters.at_rows(self.model.residual, rows, self._named(by_parameters.moved(p, steps)))
             if found is not None:
                 return np.asarray(found / steps[k])
         return np.array([self.parameter_slope(row, p, k) for row in u])
