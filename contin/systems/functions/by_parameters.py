@@ -40,7 +40,7 @@ def by_step(function: Function, u: Vector, p: Array, steps: Array) -> Array | No
     return slopes if np.all(np.isfinite(slopes)) else None
 
 
-def at_rows(residual: Callable[..., Any], u: Array, named: Fields) -> Array | None:
+def at_rows(residual: Callable[..., Any], u: Vector, named: Fields) -> Array | None:
     """dF/dp (K, n) at the rows of u (K, n), `named` having the step in it; None where one of them is to be asked alone.
 
     `by_step` at once: each context of warnings takes as long as a function of few states.
