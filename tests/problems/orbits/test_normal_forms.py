@@ -10,7 +10,8 @@ from contin.model.model import Model
 from contin.problems.orbits.linearised import bordered
 from contin.problems.orbits.linearised.bordered import factors
 from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
-from contin.problems.orbits.normal_forms.normal_form import coefficient
+from contin.problems.orbits.normal_forms.normal_form import on_two_meshes
+from contin.problems.orbits.special_orbits.defining import special_on_finer_mesh
 
 
 def test_coefficient_of_a_fold_of_cycles_with_shear(monkeypatch):
@@ -35,9 +36,12 @@ def test_coefficient_of_a_fold_of_cycles_with_shear(monkeypatch):
         return factors(matrix)
 
     monkeypatch.setattr(bordered, "factors", counted)
-    solved = SolvedOrbit(point.z, 0.0, 0.0, 0.0, np.zeros((0, 1)), point.scale)
-    assert coefficient(family.problem, "LPC", solved).value.real == pytest.approx(1.5, rel=1e-6)
-    assert len(made) == 4  # three for two borders; that of one is known from these
+    finer = special_on_finer_mesh(family.problem, "LPC", point.z, point.scale)
+    made.clear()
+    solved = SolvedOrbit(point.z, 0.0, 0.0, 0.0, np.zeros((0, 1)), point.scale, finer)
+    for found in on_two_meshes(family.problem, "LPC", solved):
+        assert found.value.real == pytest.approx(1.5, rel=1e-6)
+    assert len(made) == 4 + 2  # three for two borders, that of one is known from these; on the finer mesh both are
 
 
 def test_coefficient_of_a_fold_of_cycles_of_constant_period():

@@ -30,6 +30,7 @@ from contin.problems.algebraic_states import massless
 from contin.problems.orbits.linearised.bordered import Bordered, Borders, factors
 from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.normal_forms.branch_point import branch_point
+from contin.problems.orbits.normal_forms.carried_borders import carried
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -43,6 +44,7 @@ UNKNOWN: Final = (
     "its normal form could not be computed (the error of its coefficient is as large as its terms: the multiplier is "
     "not simple, or the orbit not resolved)"
 )
+ACROSS: Final = "across"  # the name of the two borders across a fold
 NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
 Values = Vector  # of a function at the Gauss points, (N, m, n)
@@ -61,8 +63,8 @@ def normal_form(
             kind = branch_point(problem, point, solved)
             remark = "" if kind else "BPC: the families that cross there were not told apart; no kind is stated"
             return replace(point, normal_form=kind, remark=remark)
-        coarse = coefficient(problem, point.type, solved)
-        error = coarse.error(coefficient(problem, point.type, solved.finer or solved))
+        coarse, fine = on_two_meshes(problem, point.type, solved)
+        error = coarse.error(fine)
         if other is not None and other is not solved and other.confirmed:
             error += abs(coefficient(problem, point.type, other).value - coarse.value)
     except (np.linalg.LinAlgError, ZeroDivisionError) as reason:
@@ -83,7 +85,22 @@ def stated(point: Verified, coefficient: Coefficient, error: float) -> Verified:
 
 def coefficient(problem: OrbitEquations, type_: str, solved: SolvedOrbit) -> Coefficient:
     """b of LPC, c of PD or d of NS."""
-    return cycles.coefficient(Forms(OrbitLinear(problem, solved.z, solved.scale, solved.z)), type_, solved.theta)
+    return cycles.coefficient(Forms(_linear(problem, solved)), type_, solved.theta)
+
+
+def on_two_meshes(problem: OrbitEquations, type_: str, solved: SolvedOrbit) -> tuple[Coefficient, Coefficient]:
+    """The coefficient, and the same on the finer mesh, where its borders are those of the first one."""
+    coarse = Forms(_linear(problem, solved))
+    found = cycles.coefficient(coarse, type_, solved.theta)
+    if solved.finer is None:
+        return found, found
+    fine = _linear(problem, solved.finer)
+    known, same = (carried(borders, coarse.linear, fine) for borders in (coarse.known, coarse.same))
+    return found, cycles.coefficient(Forms(fine, known, same), type_, solved.finer.theta)
+
+
+def _linear(problem: OrbitEquations, solved: SolvedOrbit) -> OrbitLinear:
+    return OrbitLinear(problem, solved.z, solved.scale, solved.z)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +178,7 @@ class Forms:
 
     linear: OrbitLinear
     known: dict[str, Borders] = field(default_factory=dict)  # of the equations of orbits nearby, by name
+    same: dict[str, Borders] = field(default_factory=dict)  # ... and of two vectors, on another mesh of this orbit
     _equations: dict[tuple[complex, str], Variation] = field(default_factory=dict)
 
     @property
@@ -221,7 +239,10 @@ class Forms:
         linear, periodic = self.linear, self.equation(1.0)
         if not self.autonomous:
             return self.normalised(periodic.null[0]), periodic.null[1]
-        right, g, left = Bordered.of(periodic.matrix, 2).solve()
+        same = self.same.get(ACROSS)  # of a matrix with one null vector the other border never settles: any will do
+        bordered = Bordered.with_borders(periodic.matrix, *same) if same else Bordered.of(periodic.matrix, 2)
+        self.same[ACROSS] = bordered.b, bordered.c
+        right, g, left = bordered.solve()
         periodic.begin(right, g, left)
         a, b = np.linalg.qr(right)[0].T
         q = self._mean(periodic.raw(b), linear.field) * a - self._mean(periodic.raw(a), linear.field) * b
