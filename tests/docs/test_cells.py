@@ -55,13 +55,13 @@ def test_pages_have_nothing_from_each_other_and_leave_nothing_here(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("source", "said"),
-    [("1 / 0", "ZeroDivisionError"), ("1 +", "SyntaxError"), ("import os; os._exit(1)", "ended"),
-     ("import time; time.sleep(60)", "too long")],
+    ("source", "said", "limit"),
+    [("1 / 0", "ZeroDivisionError", 300.0), ("1 +", "SyntaxError", 300.0), ("import os; os._exit(1)", "ended", 300.0),
+     ("import time; time.sleep(600)", "too long", 1.0)],
 )  # fmt: skip
-def test_an_error_ends_the_page_and_is_told(source, said, tmp_path):
+def test_an_error_ends_the_page_and_is_told(source, said, limit, tmp_path):
     notebook = page(source, "print('reached')")
-    done = cells.execute(notebook, str(tmp_path), 1.0, [])
+    done = cells.execute(notebook, str(tmp_path), limit, [])
     assert said in str(done.err)
     assert not notebook.cells[1].outputs
 
