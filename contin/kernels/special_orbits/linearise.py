@@ -4,7 +4,7 @@ import math
 
 from contin.kernels.collocation import evaluate, residual
 from contin.kernels.collocation_system import reduce_right
-from contin.kernels.compile import call4, kernel
+from contin.kernels.compile import call4, call5, kernel
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_solve
 from contin.kernels.filling import fill
@@ -67,6 +67,20 @@ def across_flow(e, w, o, sizes):
         section[k] /= sizes[k] * math.sqrt(total)
 
 
+@kernel("Equations, Curve, Points, Borders, CurveMemory, f -> (f, f)")
+def second_derivatives_of_period(e, c, w, f, o, by_s):
+    """D^2 of the forcing period along s and by p, and by q; 0 without forcing."""
+    if e.forcing == 0 or by_s == 0.0:
+        return 0.0, 0.0
+    direction, p, q = o.direction, e.n + e.active, e.n + c.second
+    for j in range(direction.size):
+        direction[j] = 0.0
+    direction[p] = by_s * f.across[0]
+    direction[q] += by_s * f.across[1]
+    call5(c.forcing_gradient, w.F, w.p, direction, o.slope, o.matrix)
+    return e.multiple * o.matrix[0, p], e.multiple * o.matrix[0, q]
+
+
 @kernel("Equations, Curve, Points, Borders, CurveMemory -> f")
 def period_row(e, c, w, f, o):
     """o.corner: coefficients of T and s in the forcing period's row (autonomous: 0); returns minus that of r."""
@@ -126,6 +140,7 @@ def reduce_slopes(e, c, w, s, f, o):
             spread(v, a, n, m, o.node, o.at, e.values, which)
             by_period = v[a, nu] if c.kind == NS and e.forcing == 0 else 0.0
         second_derivatives(e, c, w, f, o, which, by_period, by_s)
+        period_by_p, period_by_q = second_derivatives_of_period(e, c, w, f, o, by_s)
         for j in range(count):
             y_s = y[j, nu + 1]
             y_r = 1.0 if j == 1 else 0.0
@@ -135,6 +150,7 @@ def reduce_slopes(e, c, w, s, f, o):
             reduce_right(s, n, m)
             for r in range(n + 2):
                 o.reduced[a, j, r] = s.right_last[r]
+            o.reduced[a, j, n] += period_by_p * y_p + period_by_q * y_q
     if c.kind == NS:
         for r in range(n):
             o.reduced[0, 3, r] = 0.0

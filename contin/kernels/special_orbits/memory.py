@@ -10,9 +10,10 @@ LPC, PD, NS, BPC = range(4)
 FAILED, NOT_FINITE = -1, -2
 TEST_COUNTS = (6, 6, 10, 5)  # test functions of each kind, see `contin.kernels.special_orbits.tests`
 
-# gradient: address of (u, p, v, Df[v], D^2f[v, .]); second: index of q, that of p itself where no curve is followed
-Curve = namedtuple("Curve", ["kind", "gradient", "second"])
-structure(Curve, "i, i, i")
+# gradient: address of (u, p, v, Df[v], D^2f[v, .]), forcing_gradient: of the same for the forcing period, 0 without one
+# second: index of q, that of p itself where no curve is followed
+Curve = namedtuple("Curve", ["kind", "gradient", "forcing_gradient", "second"])
+structure(Curve, "i, i, i, i")
 
 Borders = namedtuple(
     "Borders",

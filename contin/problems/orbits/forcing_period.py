@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from contin.abi import Array
 from contin.lowering.machine import compile_routines
-from contin.lowering.routines import jacobian_routine
+from contin.lowering.routines import gradient_routine, jacobian_routine
+from contin.model.evaluate import evaluate
+from contin.model.expression import Expression
+from contin.symbolic.calculus.derivatives import derivative
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -14,13 +18,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ForcingPeriod:
-    """(u, p, T, dT) at `address`; holds the code that it points into."""
+    """(u, p, T, dT) at `address`, (u, p, v, dT v, d^2T[v, .]) at `gradient_address`; `code` is what they point into.
+
+    `period` is T as a formula in `parameters`.
+    """
 
     address: int
+    gradient_address: int
     code: Any
+    period: Expression
+    parameters: tuple[str, ...]
 
     @classmethod
     def of(cls, system: CompiledSystem) -> ForcingPeriod:
         """Of a compiled forced model."""
-        code = compile_routines([jacobian_routine("forcing", [system.forcing_period], system.layout)])
-        return cls(code.addresses["forcing"], code)
+        period, layout = system.forcing_period, system.layout
+        routines = [jacobian_routine("forcing", [period], layout), gradient_routine("gradient", [period], layout)]
+        code = compile_routines(routines)
+        addresses = code.addresses
+        return cls(addresses["forcing"], addresses["gradient"], code, period, tuple(system.parameter_names))
+
+    def second_derivative(self, p: Array, active: int) -> float:
+        """d^2T/dp^2 by one parameter, at all parameters p."""
+        name = self.parameters[active]
+        values = dict(zip(self.parameters, p.tolist(), strict=False))  # the last of p is the time
+        return float(evaluate(derivative(derivative(self.period, name), name), values))

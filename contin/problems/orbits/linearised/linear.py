@@ -204,10 +204,23 @@ class OrbitLinear:
         timing = 0.0 if self.problem.autonomous else self._times[:, :, None] * combined[:, :, :, -1]
         column_t = -h[:, None, None] * (along + timing)
         column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
-        return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
+        if variational:
+            return self._assemble_second(local, column_t, column_p, self.nu)
+        return self._assemble_second(local, column_t, column_p, self.nu + 1, self._bend_of_period * by_parameter)
 
-    def _assemble_second(self, local: Vector, column_t: Vector, column_p: Vector, height: int) -> csc_matrix:
-        """The blocks with two columns beside them, scaled, and no entries below."""
+    @property
+    def _bend_of_period(self) -> float:
+        """The second derivative of the last row by the parameter: of T - T(p), where the orbit is forced."""
+        forcing = self.problem.forcing
+        if forcing is None:
+            return 0.0
+        bend = self.problem.multiple * forcing.second_derivative(self._points.p, self.problem.active)
+        return -bend / self._phase_size
+
+    def _assemble_second(
+        self, local: Vector, column_t: Vector, column_p: Vector, height: int, corner: float | complex = 0.0
+    ) -> csc_matrix:
+        """The blocks with two columns beside them, scaled, and below no entry but one, by the parameter."""
         from scipy import sparse
 
         n, m, count = self.profile.n, self.profile.m, self.profile.intervals
@@ -220,10 +233,11 @@ class OrbitLinear:
         ]
         long, filled = len(beside[0]), int(places.starts[-1])
         everywhere = np.arange(long, dtype=places.indices.dtype)
+        below = int(corner != 0.0)
         inside = (
-            np.concatenate([scaled.ravel()[places.order], *beside]),
-            np.concatenate([places.indices, everywhere, everywhere]),
-            np.append(places.starts, [filled + long, filled + 2 * long]).astype(places.starts.dtype),
+            np.concatenate([scaled.ravel()[places.order], *beside, np.full(below, corner * self.units[-1])]),
+            np.concatenate([places.indices, everywhere, everywhere, np.full(below, height - 1)]),
+            np.append(places.starts, [filled + long, filled + 2 * long + below]).astype(places.starts.dtype),
         )
         return sparse.csc_matrix(inside, shape=(height, self.nu + 2))
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import NO_FUNCTION, Array
 from contin.continuation.outcome import Failure
 from contin.continuation.sample import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
@@ -180,7 +180,9 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
     @cached_property
     def _constants(self) -> Any:
-        return Curve(KINDS[self.type], self.orbits.system.gradient_address, self.second)
+        forcing = self.orbits.forcing
+        of_period = NO_FUNCTION if forcing is None else forcing.gradient_address
+        return Curve(KINDS[self.type], self.orbits.system.gradient_address, of_period, self.second)
 
     def _mesh(self, z: Array) -> Array:
         nodes = self.nodes(z)
