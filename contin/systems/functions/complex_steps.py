@@ -38,8 +38,8 @@ def columns(
             else:
                 given[names[j - n]] += 1j * lengths[j]
             found.append(np.array(residual(row, given)))
-    except Exception:  # noqa: BLE001 - said in words there
-        return None
+    except Exception:  # noqa: BLE001
+        return None  # whoever asks calls it again, column by column, and says it in words
     if any(value.shape != (n,) or value.dtype.kind not in "biufc" for value in found):
         return None
     return slope(np.array(found), steps[first:, None]).T
