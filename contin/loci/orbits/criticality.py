@@ -104,6 +104,7 @@ def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
     rows = [chunk.sample(row) for row in range(len(chunk))]
     last = len(rows) - 1
     values = {last: coefficient(curve, rows[-1].z, scale, True), 0: _known(curve, rows[0])}
+    before = None if values[0] is None else curve.critical.get("before")  # not of the other arm
     if values[0] is None:
         values[0] = coefficient(curve, rows[0].z, scale, True)
     end = last - 1 if _passes_pole(curve, rows[-2], rows[-1]) else last
@@ -118,7 +119,6 @@ def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
         low = row if np.isfinite(values[row]) else low
     low = low if found else 0
     lengths = np.cumsum(np.append(0.0, chunk.lengths[1:]))
-    before = curve.critical.get("before")
     if not found and not _is_straight(before, (0.0, values[0]), (float(lengths[end]), values[end])):
         turned = _between(curve, rows, lengths, scale, values, 0, end)
         found, end = (turned is not None), (end if turned is None else turned)

@@ -4,6 +4,7 @@ On the curve of Neimark-Sacker points of Lorenz' 84 model with a fourth mode, fr
 that, CH lies at F = 2.57027, R2 at 2.57091 and 2.57643: one step led over both, and values before and after were alike.
 """
 
+import math
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
@@ -60,3 +61,17 @@ def test_rows_without_poles_beside_them_cost_no_more():
     far = chunk(np.linspace(0.61, 1.0, 9))
     criticality.cut_at_change(Counting(), far, np.ones(2))
     assert len(asked) <= 3
+
+
+def test_the_other_arm_says_nothing_of_a_coefficient_that_dips_below_zero():
+    """c = 1 - 2 exp(-(2 s - 3)^2) is 1 at the start, on the left, and at the end on the right."""
+
+    class Dipping(Curve):
+        def critical_coefficient(self, z, scale):
+            return 1.0 - 2.0 * math.exp(-((2.0 * float(z[-1]) - 3.0) ** 2)), 1.0
+
+    curve = Dipping(type="PD")
+    criticality.cut_at_change(curve, chunk(np.linspace(0.0, -1.0, 11)), np.ones(2))
+    found = criticality.cut_at_change(curve, chunk(np.linspace(0.0, 3.0, 31)), np.ones(2))
+    assert found.stop is Stop.EVENT
+    assert found.tests[-2, 5] * found.tests[-1, 5] < 0.0
