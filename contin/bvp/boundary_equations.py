@@ -18,7 +18,15 @@ from contin.errors import InputError
 from contin.kernels.boundary_march import Conditions, new_conditions
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.mesh.layout import Profile, at_places, of_one_mesh, profile_of, sizes_of, trimmed
+from contin.problems.orbits.mesh.layout import (
+    Profile,
+    at_places,
+    of_one_mesh,
+    profile_of,
+    rows_at_places,
+    sizes_of,
+    trimmed,
+)
 from contin.problems.surfaces.of_parameters import choices_of
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the functions' sizes
@@ -126,6 +134,9 @@ class BoundaryEquations(Problem):
     def at_shared_places(self, z: Array, values: Array) -> Array:
         """At `PLACES` places of the interval, (places, n)."""
         return at_places(self.points, self.profile(values[-trimmed(z).size :]).u, self.profile(z).h, PLACES)
+
+    def rows_at_shared_places(self, z: Array, values: Array) -> Array:
+        return rows_at_places(self.points, self.n, z, values, PLACES)[:, :, : self.n]
 
     def of_one_mesh(self, one: Array, other: Array) -> bool:
         return of_one_mesh(self.profile(one), self.profile(other))

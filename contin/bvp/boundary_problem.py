@@ -29,7 +29,7 @@ from contin.continuation.problem import Problem, Renewal
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
-from contin.problems.orbits.mesh.adaption import estimate, unresolved
+from contin.problems.orbits.mesh.adaption import SMALLEST, estimate, unresolved
 from contin.problems.orbits.mesh.finer import on_half_lengths
 from contin.problems.orbits.mesh.layout import Profile, make_scale, trimmed
 from contin.problems.orbits.mesh.move import Move
@@ -182,8 +182,7 @@ class BoundaryProblem(BoundaryEquations):
             return Renewal(frame.scale, origin, before, loop, end)
         profile = self.profile(origin.z)
         sizes = self.sizes(origin.z, frame.scale)
-        trivial = self.intervals is None and estimate(profile, sizes, self.closed)[0] < TRIVIAL * self.tolerance
-        null = self._nearest_to_null(origin.z) if trivial else None
+        null = self._nearest_to_null(origin.z) if self._is_trivial(profile, sizes) else None
         fit = refitted(self, profile, sizes, 1.0, None if null is None else _of_size_one(null))
         h, sizes = (profile.h, sizes) if fit is None else (fit.h, fit.sizes)
         if self.intervals is None:
@@ -201,6 +200,20 @@ class BoundaryProblem(BoundaryEquations):
         natural = self.natural_sizes(trimmed(z[0]), profile, abs(profile.parameter) or 1.0)
         rooms = (changing_formulas.remark, defects.remark, defects.remark_on_ends)
         return [remark for remark in (words(self, z, natural) for words in rooms) if remark]
+
+    def _is_trivial(self, profile: Profile, sizes: Array) -> bool:
+        """Whether no error of the mesh is seen on a solution: nor on the coarsest mesh, where that will do for it.
+
+        On a fine mesh no error is seen of any solution. Where the coarsest will not do, a corner may lie at a node, for
+        now; then a mesh that is finer than it need be is kept.
+        """
+        if self.intervals is not None or not estimate(profile, sizes, self.closed)[0] < TRIVIAL * self.tolerance:
+            return False
+        coarse = self.laid(np.full(SMALLEST, 1.0 / SMALLEST), profile)
+        if len(coarse) >= profile.intervals:
+            return True
+        error = estimate(profile.on_mesh(coarse), sizes, self.closed)[0]
+        return not TRIVIAL * self.tolerance <= error < self.tolerance
 
     def _nearest_to_null(self, z: Array) -> Profile | None:
         """The function by which another branch would leave this one.

@@ -25,6 +25,7 @@ from contin.machine import elementary
 
 REACHES: Final = (0.02, 0.05)  # of the functions' sizes: how far from the branch point solutions are looked for
 DIRECTIONS: Final = 24
+NEXT_TO_ZERO: Final = 0.6  # of the largest mu: in these directions more is not next to a zero of a form of order 4
 REFINED: Final = 40  # golden sections: the angle to 1e-9
 FIRST: Final = 10  # after so many a minimum above `HOPELESS` of the largest mu is given up
 HOPELESS: Final = 0.05
@@ -55,7 +56,8 @@ def free_function(mesh: OnMesh, x: Array, small: SmallestValues, sizes: Array) -
         left = np.array([norm(reduced(reach * _unit(a))) for a in angles])
         if not np.all(np.isfinite(left)) or left.max() == 0.0:
             return NONE
-        ways = [a for k, a in enumerate(angles) if left[k] <= min(left[k - 1], left[(k + 1) % DIRECTIONS])]
+        low = (left <= np.minimum(np.roll(left, 1), np.roll(left, -1))) & (left <= NEXT_TO_ZERO * left.max())
+        ways = angles[low].tolist()
         lowest = [_least(reduced, reach, a, HOPELESS * left.max()) for a in ways]
         zeros = [a for a, size in lowest if size <= VANISHING * left.max()]
         pairs = [a for a in zeros if any(elementary.cos(a - b) < OPPOSITE for b in zeros)]

@@ -23,6 +23,7 @@ from contin.problems.sparse.reduced_equation import border_rows
 from contin.records import Fields
 
 ALONG: Final = 1e-3  # (scaled) how far off a place may be that one mode finds alone
+BACK: Final = 100.0  # times that: a correction so long does not come back to it
 WITHIN: Final = 3.0  # errors of the parameter within which two places are one
 ROUNDING: Final = 1e-14
 TOLD: Final = ("kind", "kernel", "scaling", "branches", "continua", "repeated")  # what no basis of the kernel changes
@@ -45,7 +46,7 @@ def reduced_to_kernel(
     nulls = np.linalg.qr(np.vstack([vectors / scale[:-1, None], np.zeros((1, k))]))[0]
     left = np.linalg.qr(np.column_stack([linear.factor.solve_transposed(v) for v in vectors.T]))[0]
     kernel = Kernel(mesh, x, border_rows(nulls, tangent, scale), left, scale)
-    found = kernel.point()
+    found = kernel.point(BACK * ALONG)
     if found is None:
         return None
     off = (found[0] - x) / scale

@@ -6,7 +6,7 @@ of the branch. The stated error holds what the same point moves to on a mesh of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, cast
@@ -104,6 +104,7 @@ def verify(problem: BoundaryEquations, type_: str, near: Sample, frame: Frame) -
     if jet is not None:
         form, error, x = form_of(jet), error + abs(float(jet.z[-1] - x[-1])), jet.z
         remark = NOT_ALL if "repeated" in form or "continua" in form else ""
+        crowded = not _known(form)  # all that nearly vanishes there vanishes together: no more is to be found
     return Verified(
         type_, mesh.full(x), found.residual, error, NO_VALUES, 0, form, known, crowded=crowded, remark=remark
     )
@@ -129,10 +130,14 @@ def _together(problem: BoundaryEquations, near: Sample, frame: Frame) -> Sequenc
         return [verify(problem, "BP", near, frame)]
     directions = nearly_null(mesh, here.z, smallest(mesh, here.z))
     found: list[Outcome] = []
+    seen: list[Array] = []
     for q in directions.T:
         first = _branch_point(mesh, here, local, q)
-        if isinstance(first, Rejected):
+        if isinstance(first, Rejected) or any(_has_all(o, first.x, directions.shape[1], mesh, local) for o in found):
             continue
+        if any(norm((first.x - x) / local.scale) <= ROUNDING for x in seen):
+            continue
+        seen.append(first.x)
         one = verify(problem, "BP", replace(near, z=mesh.full(first.x)), frame)
         if not isinstance(one, Verified):
             continue
@@ -156,14 +161,27 @@ def _told(found: Outcome) -> tuple[int, bool]:
 
     On a mesh each mode vanishes at a place of its own, as far off as its error: the largest sees the others.
     """
-    known = isinstance(found, Verified) and found.normal_form.get("kind") != "degenerate"
-    return _kernel(found), known
+    return _kernel(found), isinstance(found, Verified) and _known(found.normal_form)
+
+
+def _known(form: Mapping[str, object]) -> bool:
+    return form.get("kind") != "degenerate"
+
+
+def _has_all(found: Outcome, x: Array, modes: int, mesh: OnMesh, frame: Frame) -> bool:
+    """Whether all modes vanish together at a place, with all branches known, and x is what one finds of it alone."""
+    if not isinstance(found, Verified) or _told(found) < (modes, True):
+        return False
+    return _is_near(x - mesh.unknowns(found.z), found.error, frame)
 
 
 def _is_one(a: Verified, b: Outcome, mesh: OnMesh, frame: Frame) -> bool:
     assert isinstance(b, Verified)
-    off = (mesh.unknowns(a.z) - mesh.unknowns(b.z)) / frame.scale
-    errors = 3.0 * (a.error + b.error) / float(frame.scale[-1]) + ROUNDING
+    return _is_near(mesh.unknowns(a.z) - mesh.unknowns(b.z), a.error + b.error, frame)
+
+
+def _is_near(apart: Array, error: float, frame: Frame) -> bool:
+    off, errors = apart / frame.scale, 3.0 * error / float(frame.scale[-1]) + ROUNDING
     return norm(off) <= errors or (abs(float(off[-1])) <= errors and norm(off) <= ALONG)
 
 

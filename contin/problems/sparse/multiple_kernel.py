@@ -9,7 +9,7 @@ mu.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Self
 
@@ -130,8 +130,11 @@ class Kernel:
                 bent[i, j] = bent[j, i] = dz
         return mu, bent
 
-    def point(self) -> tuple[Array, float] | None:
-        """The branch point and what is left of its equations, beside the second derivatives; None without one."""
+    def point(self, far: float = TOGETHER.far) -> tuple[Array, float] | None:
+        """The branch point and what is left of its equations, beside the second derivatives; None without one.
+
+        far : (scaled) a correction this long leads elsewhere; where the equations do not agree, all corrections are.
+        """
         here, left = (self.origin, np.zeros(self.k)), np.inf
 
         def correct(a: Array) -> tuple[float, Array] | None:
@@ -151,7 +154,7 @@ class Kernel:
             step = np.linalg.lstsq(np.vstack([slopes, second.reshape(-1, self.k + 1)]), -wrong)[0]
             return norm(step), a + step
 
-        found = newton(correct, np.zeros(self.k + 1), TOGETHER)
+        found = newton(correct, np.zeros(self.k + 1), replace(TOGETHER, far=far))
         return None if found is None or not left < CONSISTENT else (here[0], left)
 
     def rounding(self, z: Array) -> float:
