@@ -113,6 +113,20 @@ def untold_turns(
     return [int(row) for row in turning if row not in told and row - 1 not in told]
 
 
+def needs_no_label(
+    row: int, unstable: NDArray[np.int64], columns: Mapping[str, NDArray[np.float64]],
+    labels: Iterable[tuple[int, Verified, float]],
+) -> bool:  # fmt: skip
+    """True where `unstable` changes before a row at no point of a type of its own.
+
+    Among neutral saddles, beside which further eigenvalues may pass the stability boundary, or at a label elsewhere.
+    """
+    neutral = columns.get("neutral")
+    if neutral is not None and bool(neutral[row]) and bool(neutral[row - 1]):
+        return True
+    return passed_again(row, unstable, columns, labels)
+
+
 def passed_again(
     row: int, unstable: NDArray[np.int64], columns: Mapping[str, NDArray[np.float64]],
     labels: Iterable[tuple[int, Verified, float]],

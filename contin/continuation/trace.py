@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.accounting import MET, passed_again, turns_again, unexplained, untold_turns
+from contin.continuation.accounting import MET, needs_no_label, turns_again, unexplained, untold_turns
 from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
 from contin.continuation.both_ways import far_end, lies_between, meeting
@@ -239,8 +239,8 @@ def _assemble(
     exact &= problem.kind != "connection"  # of the saddle at its end: folds of connecting orbits do not change it
     everywhere = [] if told else unexplained(unstable, labels, born, (), exact)  # with those where equations jump
     changes = everywhere if told or not rows.jumps else unexplained(unstable, labels, born, rows.jumps, exact)
-    changes = [row for row in changes if not passed_again(row, unstable, columns, labels)]
-    unlabelled = sum(not passed_again(row, unstable, columns, labels) for row in everywhere)
+    changes = [row for row in changes if not needs_no_label(row, unstable, columns, labels)]
+    unlabelled = sum(not needs_no_label(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     unknown = uncounted(eigenvalues, [*born, *(row for row, *_ in labels)]) if exact else []
     untold = _astray(departure, z, columns, raw_tangents, labels, start_row, (born, rows.jumps))

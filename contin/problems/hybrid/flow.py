@@ -103,7 +103,7 @@ class HybridFlow:
 
     def seen(self, u: Array, p: Array) -> Array:
         """All observables at states (T, n)."""
-        return np.asarray(self.system.observables(u, p)).reshape(len(u), -1)
+        return np.asarray(self.system.observables(u, p)).reshape(len(u), len(self.system.observable_names))
 
     def _seen_here(self, k: int, u: Array, p: Array) -> Array:
         """What event k adds to the observables, at one state."""

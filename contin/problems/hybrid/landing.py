@@ -102,6 +102,8 @@ def _towards_end(flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, lef
     """
     times, states, begun, side = [np.empty(0)], [np.empty((0, flow.n))], 0.0, np.sign(flow.heights(k, u[None], p)[0])
     for _ in range(NEARER):
+        if not left > 0.0:
+            break
         left = _fly(flow, u, p, sizes, np.array([2.0 * left])).end_time
         flight = _fly(flow, u, p, sizes, left * (1.0 - TOWARDS_END))
         if not len(flight.t):

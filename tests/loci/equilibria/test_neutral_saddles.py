@@ -29,3 +29,16 @@ def test_a_hopf_curve_goes_on_where_its_vector_would_meet_an_eigenvector(a, mix,
     assert curve.notes == ()
     np.testing.assert_allclose(curve.columns["kappa"], -curve.columns["b2"], atol=1e-8)
     np.testing.assert_allclose(curve.columns["b1"], 0.0, atol=1e-9)
+
+
+def test_a_further_eigenvalue_that_passes_zero_among_neutral_saddles_is_no_missing_label():
+    """At x = 0, b = 0: +-sqrt(c), Hopf points for c < 0 and neutral saddles for c > 0; beside them c - 1/2."""
+    equations = {"x": "y", "y": "b + c*x + x^2 - x*y", "z": "(c - 0.5)*z - z^3"}
+    states = {"x": -1.0, "y": 0.0, "z": 0.0}
+    model = contin.Model("saddles", states=states, parameters={"b": -0.75, "c": -1.0}, equations=equations)
+    line = contin.continuation(contin.equilibrium(model), "b", (-2, 0.2))
+    curve = contin.continuation(line["HB1"].locus(), ("c", "b"), {"c": (-2, 2), "b": (-2, 2)})
+    assert [point.label for point in curve.points] == ["BT1"]
+    neutral, c = np.array(curve.columns["neutral"]), np.array(curve.columns["c"])
+    assert np.array_equal(np.array(curve.columns["unstable"])[neutral], c[neutral] > 0.5)
+    assert not curve.notes

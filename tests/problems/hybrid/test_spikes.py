@@ -7,6 +7,8 @@ from importlib import import_module
 import numpy as np
 
 import contin
+from contin.problems.hybrid.flow import HybridFlow
+from contin.problems.hybrid.landing import first_landing
 
 
 def test_spikes_whose_intervals_grow_thirtyfold_have_their_period_their_height_and_their_multiplier():
@@ -77,3 +79,13 @@ def test_a_spike_that_samples_have_seen_is_not_looked_for_on_the_way_to_infinity
     assert abs(orbit.map.passage(orbit.u * 1.01, orbit.p).period - np.arctan(10.0) - np.pi / 4.0) < 1e-9
     assert not towards
     assert len(flights) < 20
+
+
+def test_a_solution_that_escapes_before_it_is_looked_at_does_not_come_to_its_surface():
+    """v' = v^2 from v0 is infinite at 1/v0, in less time than a solution beside its surface has to leave it."""
+    flow = HybridFlow(contin.Model(
+        "square", states={"v": 1}, parameters={"a": 1}, equations={"v": "a*v^2"},
+        events=[{"when": "v - 30", "direction": "up", "set": {"v": "1"}}],
+    ))  # fmt: skip
+    for v in (68.5, 1e8, 1e120):
+        assert first_landing(flow, 0, np.array([v]), np.ones(1), np.array([30.0]), 10.0, 100.0) is None
