@@ -87,5 +87,5 @@ def test_a_solution_that_escapes_before_it_is_looked_at_does_not_come_to_its_sur
         "square", states={"v": 1}, parameters={"a": 1}, equations={"v": "a*v^2"},
         events=[{"when": "v - 30", "direction": "up", "set": {"v": "1"}}],
     ))  # fmt: skip
-    for v in (68.5, 1e8, 1e120):
+    for v in (68.5, 1e8):
         assert first_landing(flow, 0, np.array([v]), np.ones(1), np.array([30.0]), 10.0, 100.0) is None
