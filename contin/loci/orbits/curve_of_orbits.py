@@ -72,9 +72,9 @@ class CurveOfSpecialOrbits(OfPeriodicOrbits):
         return int(turned[0]) + 1 if len(turned) else None
 
     def _halves_apart(self, z: Array, scale: Array) -> Array:
-        """u(x + 1/2) - u(x), relative to the states' sizes, at `HALVES` times in half a period."""
+        """u(x + 1/2) - u(x), relative to the states' sizes and ranges, at `HALVES` times in half a period."""
         sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
-        return np.asarray(self._halves_in_units(z) / sizes)
+        return np.asarray(self._halves_in_units(z) / np.maximum(sizes, np.ptp(self.curve.profile(z).u, axis=0)))
 
     def _halves_in_units(self, z: Array) -> Array:
         u, times = self.curve.profile(z), np.linspace(0.0, 0.5, HALVES)

@@ -100,6 +100,24 @@ def test_folds_of_doubled_orbits_end_at_the_degenerate_period_doubling():
     assert np.abs(folds.columns["q"]).min() < 0.1
 
 
+def test_no_cusp_is_labelled_where_folds_of_doubled_forced_orbits_end():
+    """The parameters turn at GPD: states much larger than their metric at the start hid that the halves are one."""
+    equations = {"x": "y", "y": "-0.298*y + 0.587*x - 0.605*x^3 + q*cos(w*t)"}
+    model = Model(
+        "duffing", states={"x": 0.1, "y": 0.0}, parameters={"w": 0.996, "q": 0.05}, equations=equations,
+        forcing={"period": "2*pi/w"},
+    )  # fmt: skip
+    names, box = ("q", "w"), {"q": (0.02, 8.0), "w": (0.3, 2.5)}
+    line = contin.continuation(contin.periodic_orbit(model), "q", (0.02, 8.0), settings={"stop_at": ("PD",)})
+    doubled = contin.continuation(line["PD1"].switch(), "q", (0.02, 8.0), settings={"stop_at": ("LPC",)})
+    folds = contin.continuation(doubled["LPC1"].locus(), names, box)
+    assert folds.points == ()
+    assert sorted(end.reason for end in folds.ends) == ["bound", "joined"]
+    flips = contin.continuation(line["PD1"].locus(), names, box)
+    last = [(folds.columns["q"][row], folds.columns["w"][row]) for row in (0, -1) if folds.columns["w"][row] > 1.0]
+    assert last[0] == pytest.approx([flips["GPD1"].values[name] for name in names], rel=1e-3)
+
+
 @ONE_BY_DEFAULT
 def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes(method):
     """v' = (p + i t + q |v|^2 - |v|^4) v: NS at p = 0 with Re d = q."""
