@@ -118,11 +118,12 @@ def measure(model: Model, text: str) -> Relation:
     if "=" in text:
         raise InputError(f"a column is a formula such as mean(x^2) or max(x) - min(x), not an equation; got {text!r}")
     problems = Problems(CallSource(""))
-    (found,) = relations_on_orbits(model, [f"{text} = 0"], problems)
+    read = relations_on_orbits(model, [f"{text} = 0"], problems)
     try:
         problems.raise_if_any()
     except InputError as error:
         raise InputError(str(error).splitlines()[0].removeprefix(": ").removeprefix("[0]: ")) from None
+    (found,) = read
     if not found.functionals and PERIOD not in symbols_in([found.residual]):
         raise InputError(f"a column of orbits has a functional such as mean(x^2), max(x), or `period`; got {text!r}")
     return found
