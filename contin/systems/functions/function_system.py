@@ -23,6 +23,7 @@ from contin.systems.functions.grain import Grain
 from contin.systems.functions.guarded import as_array, called, numbers, vector
 from contin.systems.functions.stencils import STEPS
 from contin.systems.functions.trials import BESIDE, not_analytic, real, try_function
+from contin.systems.functions.trouble import Trouble
 from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 PROBED = 20  # states from which a Jacobian that is not given is looked at for zeros
 SLOPES = 1e-12  # what stencils of first derivatives leave where their inner pairs differ by `stencils.RESOLVED_SLOPE`
 OTHERS = (1.4, 0.7)  # times the usual width of differences, to tell their errors
-NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
 
 
 class FunctionSystem:
@@ -56,7 +56,7 @@ class FunctionSystem:
         self.n, self.m = model.n, len(model.parameter_names)
         self.p_size = self.m
         self.state_names, self.parameter_names = model.state_names, model.parameter_names
-        self._trouble: tuple[str, Array, Array] | None = None  # the last failure, and where: u, p
+        self._trouble: Trouble | None = None  # the last failure
         self._worked: set[str] = set()
         self._lost = np.full(self.n, np.nan)
         self._made = 0  # Jacobians by complex steps
@@ -99,7 +99,7 @@ class FunctionSystem:
         """Keep the reason of a failure where `what` worked before; raise `error` where it did not."""
         if what not in self._worked:
             raise error
-        self._trouble = str(error), np.real(u).astype(float), np.real(p).astype(float)
+        self._trouble = Trouble(str(error), np.real(u).astype(float), np.real(p).astype(float))
 
     # values ---------------------------------------------------------------------------------------------------------
 
@@ -142,7 +142,7 @@ class FunctionSystem:
         self._worked |= {"residual", "value"}
         if self._trouble is before and not np.all(np.isfinite(value)):
             bad = int(np.flatnonzero(~np.isfinite(value))[0])
-            self._trouble = f"component {bad} of the residual is {value[bad]:.3g}", states, others
+            self._trouble = Trouble(f"component {bad} of the residual is {value[bad]:.3g}", states, others)
         return value
 
     def _recorded(self, u: Array, p: Array) -> dict[str, float]:
@@ -199,7 +199,7 @@ class FunctionSystem:
             with np.errstate(all="ignore"):
                 matrix = self.state_jacobian(states, others)
             if self._trouble is None and not np.all(np.isfinite(matrix)):
-                self._trouble = "an entry of the Jacobian is not finite", states, others
+                self._trouble = Trouble("an entry of the Jacobian is not finite", states, others)
         return None if self._trouble is None else f"not finite at this point: {self._told()}"
 
     def why_observables_not_finite(self, u: ArrayLike, p: ArrayLike) -> str | None:
@@ -210,19 +210,11 @@ class FunctionSystem:
 
     def trouble_near(self, u: Array, p: Array) -> str | None:
         """The last failure of a user's function, if it was close to this point: why a branch cannot go on from here."""
-        if self._trouble is None:
-            return None
-        _, at_u, at_p = self._trouble
-        size = max(float(np.abs(u).max()), float(np.abs(p).max()), 1e-300)
-        apart = max(float(np.abs(at_u - u).max()), float(np.abs(at_p - p).max()))
-        return self._told() if apart < NEAR * size else None
+        return self._told() if self._trouble is not None and self._trouble.is_near(u, p) else None
 
     def _told(self) -> str:
         assert self._trouble is not None
-        text, u, p = self._trouble
-        where = ", ".join(f"{x:.6g}" for x in u[:6]) + (", ..." if self.n > 6 else "")
-        named = ", ".join(f"{k} = {v:.10g}" for k, v in self._named(p).items())
-        return f"{text}, at u = ({where}), {named}"
+        return self._trouble.told(self._named(self._trouble.p))
 
     # derivatives ----------------------------------------------------------------------------------------------------
 
