@@ -385,7 +385,7 @@ def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, N
         return seed.measured
     sample = problem.probe(start, 0.0, seed.z, Frame(np.ones_like(seed.z)), Settings())
     if sample is None:
-        return 0, np.full(len(seed.z) - 1, np.nan, complex)
+        return 0, np.empty(0, complex)  # rows are as wide as those beside
     critical = np.abs(sample.eigenvalues.real) < 1e-7 * float(np.abs(sample.eigenvalues).max(initial=1e-300))
     return int(np.sum((sample.eigenvalues.real > 0) & ~critical)), sample.eigenvalues
 

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.errors import InputError
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
@@ -35,5 +35,5 @@ def folds_at_generalised_hopf(problem: LocusProblem, point: SpecialPoint, parame
             f"{point.branch}.{point.label}: the curve of folds that ends here could not be predicted; the two "
             "parameters do not unfold the point"
         ) from None
-    seed = seed_of_cycles("LPC", compiled(problem), place, cycles, 0.0, Parent(point.branch, point.label))
+    seed = seed_of_cycles("LPC", compiled(problem), place, cycles, 0.0, point)
     return [replace(seed, reach=TOLD)]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
@@ -26,8 +26,7 @@ def tori_at_double_hopf(problem: LocusProblem, point: SpecialPoint, parameters: 
         found = torus_predictors(place.jet(compiled(problem)), omegas)
     except (KeyError, ZeroDivisionError, np.linalg.LinAlgError):
         return []  # without a normal form, which the point's own remark tells
-    parent = Parent(point.branch, point.label)
     return [
-        seed_of_cycles("NS", compiled(problem), place, cycles, float(elementary.cos(angle)), parent)
+        seed_of_cycles("NS", compiled(problem), place, cycles, float(elementary.cos(angle)), point)
         for cycles, angle in found
     ]

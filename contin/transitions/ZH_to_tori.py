@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.machine import elementary
@@ -31,4 +31,4 @@ def tori_at_zero_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Se
     if rate == 0.0:
         return []
     bend = -(elementary.square(2.0 * np.pi * rate / cycles.omega))  # cos(2 pi rate rho / omega)
-    return [seed_of_cycles("NS", compiled(problem), place, cycles, 1.0, Parent(point.branch, point.label), bend)]
+    return [seed_of_cycles("NS", compiled(problem), place, cycles, 1.0, point, bend)]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
@@ -18,6 +19,7 @@ from contin.machine import elementary
 from contin.normalforms.sources import compiled_jet
 from contin.problems.orbits.collocated_orbits import PERIOD_SCALE, OrbitProblem
 from contin.problems.orbits.corotating import system_of_orbits
+from contin.problems.orbits.linearised.multipliers import of_rest
 from contin.problems.orbits.mesh.layout import HOPF_INTERVALS, Profile, make_scale
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.problems.two_parameters import indices
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
     from contin.normalforms.jet import Jet
     from contin.problems.two_parameters import TwoParameterProblem
     from contin.systems.protocol import System
+
+
+CRITICAL: Final = {"GH": 2, "ZH": 3, "HH": 4}  # eigenvalues on the imaginary axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +58,9 @@ class Place:
 
 
 def seed_of_cycles(
-    type_: str, system: CompiledSystem, place: Place, cycles: Any, further: float, parent: Parent, further2: float = 0.0
-) -> Seed:
+    type_: str, system: CompiledSystem, place: Place, cycles: Any, further: float, point: SpecialPoint,
+    further2: float = 0.0,
+) -> Seed:  # fmt: skip
     """A curve of orbits that shrink to the point, from the second-order predictor of small cycles.
 
     further, further2 : the further unknown at the point, and its second derivative by rho.
@@ -79,7 +85,16 @@ def seed_of_cycles(
     d, k = d / norm, k / elementary.square(norm)
     k = k - float(k @ d) * d
     z = curve.join(rest.vector(), float(place.p[place.second]), further)
-    return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent)
+    parent, beside = Parent(point.branch, point.label), measured(point, float(cycles.omega), float(period))
+    return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent, measured=beside)
+
+
+def measured(point: SpecialPoint, omega: float, period: float) -> tuple[int, NDArray[np.complex128]]:
+    """Of a point of codimension two of equilibria, as an orbit of the pair +-i omega: unstable ones beside the critical
+    eigenvalues, and multipliers."""
+    values = np.asarray(point.eigenvalues, dtype=complex)
+    others = values[np.argsort(np.abs(values.real))][CRITICAL.get(point.type, 2) :]
+    return int(np.sum(others.real > 0.0)), of_rest(values, omega, period)[1]
 
 
 def compiled(problem: TwoParameterProblem) -> CompiledSystem:

@@ -269,3 +269,4 @@ def test_tori_leave_a_zero_hopf_point_as_the_planar_system_says():
     np.testing.assert_allclose(tori.columns["x.max"] ** 2, tori.columns["p"], atol=1e-6)
     assert_only(tori, {"R4": (1 / 32,), "R3": (1 / 18,)}, "p")
     assert [end.reason for end in tori.ends] == ["start", "bound"]
+    assert tori.eigenvalues.shape == (len(tori), 3)  # as many as states, of the point itself too

@@ -105,6 +105,7 @@ def test_folds_leave_a_generalised_hopf_point_along_the_parabola():
     p, q = folds.columns["p"], folds.columns["q"]
     assert folds.locus == "LPC"
     assert folds.parent.label == "GH1"
+    np.testing.assert_allclose(folds.eigenvalues, 1.0, atol=1e-4)  # of the first row too
     np.testing.assert_allclose(p, -(q**2) / 4, atol=1e-10)
     np.testing.assert_allclose(folds.columns["period"], 2 * pi, rtol=1e-9)
     assert [end.reason for end in folds.ends] == ["start", "bound"]
@@ -143,6 +144,8 @@ def test_tori_leave_a_double_hopf_point_along_the_lines_of_the_normal_form():
     slopes = sorted(np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] for branch in tori)
     assert slopes == pytest.approx(sorted([7 / 8, 1 / 14]), abs=1e-8)
     for branch in tori:
+        assert branch.eigenvalues.shape == (len(branch), 4)  # as many as states, of the point itself too
+        assert np.isfinite(branch.eigenvalues).all()
         ratio = 2.3 if np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] > 0.5 else 1 / 2.3
         # to the last Newton correction (1e-9) of orbits that begin with the size zero, where theta is determined least
         np.testing.assert_allclose(branch.columns["cos.theta"], cos(2 * pi * ratio), rtol=0.0, atol=2e-7)

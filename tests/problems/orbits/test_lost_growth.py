@@ -54,3 +54,26 @@ def test_what_is_lost_is_the_growth_less_that_of_the_gauss_method():
     growth = profile.period * profile.h * found.columns["c"][1]
     top, bottom = (1.0 + s * growth / 2 + 3 * growth**2 / 28 + s * growth**3 / 84 + growth**4 / 1680 for s in (1, -1))
     assert lost_growth(problem, z, 1) == pytest.approx(float(np.sum(growth - np.log(top / bottom))), rel=1e-9)
+
+
+def test_a_fold_of_cycles_among_canards_whose_second_1_is_lost_has_a_note():
+    """A curve of folds that begins at a generalised Hopf point, among canards of two coupled relaxation oscillators.
+
+    Its first row had as many eigenvalues as the orbit has unknowns, so that of no row they were looked at.
+    """
+    model = contin.Model(
+        "pair", states={"v": -1.2, "w": -0.6, "V": -1.2, "W": -0.6}, parameters={"p": -1.0, "q": 0.2},
+        equations={
+            "v": "v - v^3/3 - w + p + q*(V - v)", "w": "0.143*(v + 0.256 - 0.56*w)",
+            "V": "V - V^3/3 - W + 0.835*p + 0.33*(v - V)", "W": "0.218*(V + 0.296 - 0.741*W + 0.049*v)",
+        },
+    )  # fmt: skip
+    names, box = ("p", "q"), {"p": (-2, 3), "q": (-0.5, 1)}
+    line = contin.continuation(contin.equilibrium(model, start="auto"), "p", (-1.1, -0.3))
+    hopf = contin.continuation(line["HB1"].locus(), names, box)
+    folds = contin.continuation(hopf["GH1"].locus(names), names, box, settings={"steps": 40})
+    second = np.min(np.abs(folds.eigenvalues[:, 1:] - 1.0), axis=1)
+    assert folds.eigenvalues.shape == (len(folds), 4)
+    assert second[:15].max() < 1e-4
+    assert second.max() > 0.1
+    assert any("one that is known comes out as" in note for note in folds.notes)

@@ -52,6 +52,7 @@ def remarks(
 
 def _critical(values: Multipliers, wanted: Sequence[complex]) -> tuple[complex, complex]:
     """What is found for the critical ones, and what they are: of two their means, each has half of the digits at R1."""
-    if not len(values) or not np.isfinite(values).all():
+    values = values[np.isfinite(values)]  # a row that has fewer than others ends with NaN
+    if not len(values):
         return complex(np.nan), 1.0
     return complex(np.mean([values[nearest(values, one)] for one in wanted])), complex(np.mean(wanted))
