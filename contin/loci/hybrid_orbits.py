@@ -20,7 +20,8 @@ from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.loci.equilibria.equilibrium_locus import LocusProblem
 from contin.loci.equilibria.march import place
-from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, is_shut, unexpected_on_curve
+from contin.problems.hybrid.closing import is_shut, shut
+from contin.problems.hybrid.grazing import curve_ending, cut_where_events_change, unexpected_on_curve
 from contin.problems.hybrid.hybrid_orbits import OF_MAPS, OF_ORBITS, HybridOrbits, judged, renamed, solved_twice
 from contin.problems.hybrid.sampling import HybridProfile, orbit_columns
 from contin.problems.two_parameters import TwoParameterProblem
@@ -97,8 +98,14 @@ class HybridLocus(TwoParameterProblem):
         return unexpected_on_curve(family, orbit, *self.curve.linearise(z))
 
     def is_shut(self, z: Array) -> bool:
-        """See `contin.problems.hybrid.grazing`."""
+        """See `contin.problems.hybrid.closing`."""
         return is_shut(*self.at(z))
+
+    def shut(self, z: Array) -> Array:
+        """See `contin.problems.hybrid.closing`."""
+        family, orbit = self.at(z)
+        closed = shut(family, orbit)
+        return z if closed is orbit else np.append(closed[:-1], z[self.fixed.n :])
 
     # the engine's contract --------------------------------------------------------------------------------------------
 

@@ -18,6 +18,7 @@ from contin.continuation.branch import End
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.machine import elementary
+from contin.problems.hybrid.closing import TANGENT, closes, usual_rate
 from contin.problems.hybrid.homoclinic_end import homoclinic_end
 from contin.problems.hybrid.landing import first_landing
 from contin.problems.hybrid.saddle_node_end import saddle_node_end
@@ -36,7 +37,10 @@ class OfCycles(Protocol):
         """(event, arc) of the first event on the orbit that its cycle does not have."""
 
     def is_shut(self, z: Array) -> bool:
-        """See `is_shut`."""
+        """See `contin.problems.hybrid.closing`."""
+
+    def shut(self, z: Array) -> Array:
+        """See `contin.problems.hybrid.closing`."""
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """See `contin.continuation.problem.Problem`."""
@@ -46,12 +50,9 @@ class OfCycles(Protocol):
 
 
 BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there happens with the arc's event
-CLOSED: Final = 1e-6  # of the states' sizes: an orbit is known to this
 HALVINGS: Final = 60
 LOCATED: Final = 1e-12  # (arclength, relative to the step)
-SHUT: Final = 1e-9  # ... and closes to this: beside a tangent landing errors of the states grow without bound
 TOUCHES: Final = 1e-5  # clearance, relative to how far h changes over the orbit, of an orbit that touches its surface
-TANGENT: Final = 0.05  # rate on landing, relative to its largest along the arc, that may be on its way to zero
 
 
 def unexpected(problem: CycleOfEvents, z: Array) -> tuple[int, int] | None:
@@ -59,7 +60,7 @@ def unexpected(problem: CycleOfEvents, z: Array) -> tuple[int, int] | None:
     passage = problem.passage(z)
     if passage is None:
         return None
-    if not _closes(problem, *problem.inner.linearise(z)):  # an event of the cycle came too early
+    if not closes(problem, *problem.inner.linearise(z)):  # an event of the cycle came too early
         return passage.flown[0].arc.event, 0
     return _not_in_cycle(problem, passage, z)
 
@@ -69,7 +70,7 @@ def unexpected_on_curve(problem: CycleOfEvents, z: Array, f: Array, jacobian: Ar
     passage = problem.passage(z)
     if passage is None:
         return None
-    if not _closes(problem, f, jacobian):
+    if not closes(problem, f, jacobian):
         return passage.flown[0].arc.event, 0
     return _not_in_cycle(problem, passage, z)
 
@@ -89,17 +90,6 @@ def _not_in_cycle(problem: CycleOfEvents, passage: Passage, z: Array) -> tuple[i
     return None
 
 
-def _closes(problem: CycleOfEvents, f: Array, jacobian: Array) -> bool:
-    """True where Newton's method, which may have stopped across a jump of the map, has no way to go.
-
-    jacobian : of a family its last column, by the parameter, counts for nothing; on a curve all of them count.
-    """
-    n = problem.n
-    states = jacobian[:, :-1] if len(f) == n else jacobian
-    step = np.linalg.lstsq(states, f, rcond=None)[0][:n] if np.isfinite(states).all() else np.array([np.inf])
-    return bool(np.max(np.abs(step) / problem.map.sizes[problem.map.kept]) < CLOSED)
-
-
 def _carried(problem: CycleOfEvents, flown: Flown, k: int, p: Array) -> bool:
     """True where the jump at the end of an arc carries h of event k through zero, in its direction."""
     before, after = problem.flow.heights(k, np.array([flown.before, flown.after]), p)
@@ -108,37 +98,23 @@ def _carried(problem: CycleOfEvents, flown: Flown, k: int, p: Array) -> bool:
     return bool(crossed and np.sign(after) in SENSES[problem.flow.model.events[k].direction])
 
 
-def is_shut(problem: CycleOfEvents, z: Array) -> bool:
-    """False for an orbit with an almost tangent landing that does not close, though its states are known to `CLOSED`.
-
-    All that is computed of the orbit has errors then that are those of its states over the rate of that landing.
-    """
-    passage = problem.passage(z)
-    if passage is None:
-        return False
-    if all(abs(f.rate) >= TANGENT * _usual_rate(problem, z, f) for f in passage.flown):
-        return True
-    gap = problem.inner.linearise(z)[0] / problem.map.sizes[problem.map.kept]
-    return bool(np.isfinite(gap).all() and np.max(np.abs(gap)) < SHUT)
-
-
-def _usual_rate(problem: CycleOfEvents, z: Array, flown: Flown) -> float:
-    """How far h of an arc's event changes along the arc, by its time."""
-    heights = problem.flow.heights(flown.arc.event, arc_samples(problem, z, flown), problem.inner.full_parameters(z))
-    return float(np.ptp(heights)) / flown.time
-
-
 def cut_where_events_change(problem: OfCycles, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the orbit at which another event comes in, which is its last row then."""
     if chunk.stop is Stop.NOT_FINITE:  # beyond, an event of the cycle does not come
         chunk = replace(chunk, stop=Stop.CORRECTOR)
-    row = next((r for r in range(1, len(chunk)) if problem.unexpected(chunk.z[r]) is not None), None)
+    chunk = _closed_rows(problem, chunk, frame, settings)
+    row = next((r for r in range(1, len(chunk)) if _is_beyond(problem, chunk.z[r])), None)
     if row is None:
         return chunk
     base = chunk.sample(row - 1)
     last = _last_with_cycle(problem, base, chunk.z[row], float(chunk.lengths[row]), frame, settings)
     cut = chunk.cut(row, Stop.CORRECTOR, float(chunk.lengths[row]))
     return cut if last is None else _appended(cut, *last)
+
+
+def _is_beyond(problem: OfCycles, z: Array) -> bool:
+    """True where the orbit has another cycle of events, none, or a landing so tangent that nothing of it is known."""
+    return problem.unexpected(z) is not None or not problem.is_shut(z)
 
 
 def _last_with_cycle(
@@ -155,12 +131,28 @@ def _last_with_cycle(
             break
         middle = 0.5 * (low + high)
         z = problem.placed(*at(middle))
-        if z is not None and problem.unexpected(z) is None and problem.is_shut(z):
+        if z is not None and not _is_beyond(problem, problem.shut(z)):
             low = middle
         else:
             high = middle
     found = problem.probe(*at(low)) if low > 0.0 else None
-    return None if found is None else (found, low)
+    return None if found is None else (_closed(problem, found, frame, settings), low)
+
+
+def _closed(problem: OfCycles, sample: Sample, frame: Frame, settings: Settings) -> Sample:
+    """A point whose orbit is closed by `shut`, with its multipliers, which change with it beside a tangent landing."""
+    z = problem.shut(sample.z)
+    again = None if z is sample.z else problem.probe(replace(sample, z=z), 0.0, z, frame, settings)
+    return sample if again is None else again
+
+
+def _closed_rows(problem: OfCycles, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+    """All rows so."""
+    z, unstable, eigenvalues = chunk.z.copy(), chunk.unstable.copy(), chunk.eigenvalues.copy()
+    for r in range(len(chunk)):
+        row = _closed(problem, chunk.sample(r), frame, settings)
+        z[r], unstable[r], eigenvalues[r] = row.z, row.unstable, row.eigenvalues
+    return replace(chunk, z=z, unstable=unstable, eigenvalues=eigenvalues)
 
 
 def _appended(chunk: Chunk, sample: Sample, length: float) -> Chunk:
@@ -247,7 +239,7 @@ def _lost(now: tuple[CycleOfEvents, Array], before: tuple[CycleOfEvents, Array])
         return None
     for one, then in zip(passages[0].flown, passages[1].flown, strict=True):
         fallen = elementary.square(one.rate) - elementary.square(then.rate)
-        if abs(one.rate) < TANGENT * _usual_rate(problem, z, one) and fallen < 0.0:
+        if abs(one.rate) < TANGENT * usual_rate(problem, z, one) and fallen < 0.0:
             square = -elementary.square(one.rate) / fallen
             return one.arc.event, square, abs(one.rate) / (abs(then.rate) - abs(one.rate))
     return None

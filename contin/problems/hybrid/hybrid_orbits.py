@@ -25,8 +25,9 @@ from contin.normalforms.result import sense
 from contin.problems.at_fixed_parameter import at_parameter
 from contin.problems.dense_march import DenseLinearisation, dense_linearisation
 from contin.problems.equilibria import special_points
+from contin.problems.hybrid.closing import is_shut, shut
 from contin.problems.hybrid.cycle_of_events import CycleOfEvents
-from contin.problems.hybrid.grazing import cut_where_events_change, ending, is_shut, unexpected
+from contin.problems.hybrid.grazing import cut_where_events_change, ending, unexpected
 from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, norm, orbit_columns, sampled
 from contin.problems.orbits.measured.measures import standard_columns, standard_names
@@ -66,8 +67,12 @@ class HybridOrbits(CycleOfEvents):
         return unexpected(self, z)
 
     def is_shut(self, z: Array) -> bool:
-        """See `contin.problems.hybrid.grazing`."""
+        """See `contin.problems.hybrid.closing`."""
         return is_shut(self, z)
+
+    def shut(self, z: Array) -> Array:
+        """See `contin.problems.hybrid.closing`."""
+        return shut(self, z)
 
     def profile(self, z: Array) -> HybridProfile:
         """The orbit over one period."""

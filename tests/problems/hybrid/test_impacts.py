@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 import contin
@@ -12,17 +13,20 @@ W, Z, S, R = 1.9, 0.1, 0.3, 0.8
 PERIOD = 2.0 * math.pi / W
 
 
-@pytest.fixture(scope="module")
-def family() -> contin.Branch:
-    model = contin.Model(
+def impacts(force: float, w: float, z: float, s: float, r: float) -> contin.Model:
+    return contin.Model(
         "impacts",
         states={"x": 0.2, "v": -0.3},
-        parameters={"F": {"value": 1.0, "range": [0.5, 2]}, "w": W, "z": Z, "s": S, "r": R},
+        parameters={"F": {"value": force, "range": [0.5, 2]}, "w": w, "z": z, "s": s, "r": r},
         forcing={"period": "2*pi/w"},
         equations={"x": "v", "v": "F*cos(w*t) - 2*z*v - x"},
         events=[{"when": "x - s", "direction": "up", "set": {"v": "-r*v"}}],
     )
-    orbit = contin.periodic_orbit(model)
+
+
+@pytest.fixture(scope="module")
+def family() -> contin.Branch:
+    orbit = contin.periodic_orbit(impacts(1.0, W, Z, S, R))
     return contin.continuation(orbit, "F", (0.5, 2.0), values={"F": [0.8, 1.2, 1.7]})
 
 
@@ -36,6 +40,25 @@ def test_the_family_ends_at_the_orbit_that_grazes_to_the_stated_error(family):
     grazes = S * math.hypot(1.0 - W**2, 2.0 * Z * W)
     (end,) = (end for end in family.ends if end.reason == "grazing")
     assert abs(end.data["at"]["F"] - grazes) <= end.data["error"] < 1e-3
+
+
+def test_one_impact_in_two_periods_ends_at_the_same_orbit_and_every_row_closes():
+    """Beside the graze, where the multiplier is 1e5, rows are orbits, and multipliers have Liouville's product.
+
+    Rows there were off by 1e-6 of the period, the last had no orbit, and the family ended `corrector`.
+    """
+    w, z, s = 2.9, 0.0675, 0.165
+    orbit = contin.periodic_orbit(impacts(0.862, w, z, s, 0.765))
+    branch = contin.continuation(orbit, "F", (0.2, 1.3), direction="down")
+    grazes = s * math.hypot(1.0 - w**2, 2.0 * z * w)
+    assert [point.type for point in branch.points] == ["LPC"]
+    assert not branch.notes
+    assert abs(branch.columns["period"] * w / (4.0 * math.pi) - 1.0).max() < 2e-9
+    np.testing.assert_allclose(
+        np.prod(branch.eigenvalues, axis=1), 0.765**2 * math.exp(-8.0 * math.pi * z / w), rtol=1e-2
+    )
+    (end,) = (end for end in branch.ends if end.reason == "grazing")
+    assert abs(end.data["at"]["F"] - grazes) <= end.data["error"] < 2e-4
 
 
 def test_the_product_of_the_multipliers_is_that_of_liouville_with_one_impact(family):
