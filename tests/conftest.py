@@ -7,6 +7,8 @@ rounding may do anywhere (`tests/noise.py`), `CONTIN_TEST_UNWRITTEN=1` what memo
 (`tests/unwritten.py`): the tests must pass with each.
 
 `pytest -m fast` runs the core in under a minute once the kernels are compiled: what is in `FAST`, marked here.
+`pytest -m 'seldom and not long'` runs what is dear beside cheaper tests of the same idea; `--share 2/6` the third sixth
+of it.
 `CONTIN_TEST_COST=20` tells what tests cost (`tests/cost.py`).
 """
 
@@ -14,6 +16,7 @@ import gc
 import os
 import sys
 import warnings
+import zlib
 from pathlib import Path
 
 if os.environ.get("CONTIN_TEST_LIBRARIES") == "processor":
@@ -137,6 +140,10 @@ def pytest_warning_recorded(warning_message, nodeid):
         _warned.append(f"{nodeid}: {warning_message.message} ({warning_message.filename}:{warning_message.lineno})")
 
 
+def pytest_addoption(parser):
+    parser.addoption("--share", default="0/1", metavar="K/N", help="one of N shares of the tests chosen, K modulo N")
+
+
 def pytest_configure(config):
     if COST:
         from tests import cost
@@ -176,10 +183,16 @@ def pytest_ignore_collect(collection_path, config):
     return None
 
 
-def pytest_collection_modifyitems(items):
-    """Marks what is `fast`; long versions of its tests are not."""
+def pytest_collection_modifyitems(config, items):
+    """Marks what is `fast`, without long versions of its tests and dear ones; leaves one share of the tests."""
+    part, parts = (int(number) for number in config.option.share.split("/"))
+    others = [item for item in items if zlib.crc32(item.nodeid.encode()) % parts != part % parts]
+    if others:
+        config.hook.pytest_deselected(items=others)
+        left_out = set(others)
+        items[:] = [item for item in items if item not in left_out]
     for item in items:
-        if is_fast(item.path) and not item.get_closest_marker("long"):
+        if is_fast(item.path) and not any(item.get_closest_marker(mark) for mark in ("long", "seldom")):
             name = f"{item.path.relative_to(HERE).as_posix()}::{getattr(item, 'originalname', None) or item.name}"
             if name not in SLOW_TESTS:
                 item.add_marker("fast")

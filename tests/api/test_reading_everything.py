@@ -92,6 +92,7 @@ def test_what_was_read_is_saved_and_followed_again(diagram, tmp_path):
     np.testing.assert_array_equal(cycles.columns["period"], diagram["start/HB1"].columns["period"])
 
 
+@pytest.mark.seldom
 def test_a_phase_diagram_is_one_again(regions, tmp_path):
     regions.save(tmp_path / "p.contin")
     again = contin.read(tmp_path / "p.contin")
@@ -106,6 +107,7 @@ def test_a_phase_diagram_is_one_again(regions, tmp_path):
     assert again[again.loci[0].name].locus == "LP"
 
 
+@pytest.mark.seldom
 def test_a_run_of_everything_has_everything(tmp_path):
     (tmp_path / "r.yaml").write_text(
         """contin: 1
@@ -148,6 +150,7 @@ def test_a_trajectory_with_jumps_is_drawn_as_it_was(tmp_path):
     assert "saw" in str(found)
 
 
+@pytest.mark.seldom
 def test_sweeps_surveys_and_scans_of_commands_come_back(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert call("sweep", "brusselator", "B", "0.5", "1", "--steps", "2", "--json", "w.json", "--quiet") == 0
@@ -196,6 +199,7 @@ def test_rows_that_do_not_fit_are_refused(diagram, tmp_path):
         contin.read(tmp_path / "d.json")
 
 
+@pytest.mark.seldom
 def test_phase_planes_come_back(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "q.yaml").write_text(

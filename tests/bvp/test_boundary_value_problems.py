@@ -36,6 +36,7 @@ def bratu_fold():
     return 8.0 * c**2 / float(elementary.cosh(c)) ** 2, 2.0 * float(elementary.log(elementary.cosh(c)))
 
 
+@pytest.mark.seldom
 def test_the_fold_of_bratus_problem():
     line = follow(BRATU, "lam", (0, 4), direction="up", values={"height": [2.0]})
     lam, height = bratu_fold()
@@ -78,6 +79,7 @@ def test_eigenvalues_are_branch_points_and_their_branches_are_elliptic_functions
     assert fork.columns["q"][small] == pytest.approx(1.0 + 0.375 * (a / np.pi) ** 2, abs=1e-6)
 
 
+@pytest.mark.seldom
 def test_the_mesh_of_a_trivial_solution_serves_the_functions_that_branch_off():
     """sin(n pi x) up to n = 12: on the ten intervals that u = 0 asks for, the twelfth was 7e-5 off."""
     line = follow(SINE, "q", (0.5, 12.5), direction="up")
@@ -240,6 +242,7 @@ def test_an_eigenvalue_problem_starts_where_the_derivative_and_the_eigenvalue_va
     assert line["UZ1"].values["a"] == pytest.approx(-5.800046020851508, abs=1e-8)  # DLMF, table 28.1.1
 
 
+@pytest.mark.seldom
 def test_a_pulse_on_a_long_interval_is_found_although_its_place_is_hardly_determined():
     """u'' = u - 2 u^3 on [-10, 10], u = 0 at the ends: sech, its shift determined to exp(-20)."""
     parts = {

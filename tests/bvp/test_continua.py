@@ -33,6 +33,7 @@ def slab(f, a, b, h):
     )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_a_superconducting_surface_ends_where_the_normal_states_begin():
     """f = 0, A = h (x - x0) at any x0: the branch ends where the lowest eigenvalue, least in x0, is 1."""
     def least(h):

@@ -19,6 +19,7 @@ def flat():
     return contin.continuation(contin.boundary_problem(contin.load(parts), free=["mu"]), "m", (-0.9, 0.9))
 
 
+@pytest.mark.seldom
 def test_of_pitchforks(flat):
     """u = m + e cos k t + e^2 c cos 2 k t, with K = (k eps)^2 = 1 - 3 m^2: c = -m/(2 K), m_2 = -(3/4 + 3 m c)/(6 m).
 

@@ -26,6 +26,7 @@ LONG = pytest.mark.long
         *(pytest.param(eps, power, marks=LONG) for eps, power in ((1e-10, 3), (1e-9, 2), (1e-7, 3))),
     ],
 )  # fmt: skip
+@pytest.mark.seldom
 def test_a_branch_that_turns_away_from_a_crossing_is_followed_and_has_no_label(power, eps):
     size = {"value": 0, "scale": 1}
     model = _problem(

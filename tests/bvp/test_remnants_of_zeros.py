@@ -27,6 +27,7 @@ def column(unit=1.0):
 
 
 @pytest.mark.parametrize("unit", [pytest.param(1.0, marks=pytest.mark.long), 1e-9, 1e9])
+@pytest.mark.seldom
 def test_buckling_loads_are_a_curve_and_a_branch_from_any_point(unit):
     line = contin.continuation(boundary_guess(column(unit), None, None, ()), "w", (0, 20), values={"w": [7.0]})
     point = line["BP1"]

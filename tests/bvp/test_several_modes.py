@@ -47,6 +47,7 @@ def followed(model, steps):
 
 
 @pytest.mark.parametrize(("angle", "coupling"), [(0.0, 0.0), (0.3, 0.5)])
+@pytest.mark.seldom
 def test_four_branches_leave_where_two_pitchforks_coincide(angle, coupling):
     """u'' + p (u - u^3 - c u w^2) = 0 and the same for w: u alone, w alone, u = w, u = -w; an elliptic integral."""
     point, branches = followed(pair(angle, f"p*(u - u^3 - {coupling}*u*w^2)"), 6)

@@ -39,6 +39,7 @@ def test_the_slope_at_the_start_of_troesch_is_right_in_its_own_size(troesch):
         assert slope == pytest.approx(slope_at_start(mu), rel=1e-9)
 
 
+@pytest.mark.seldom
 def test_a_user_value_at_a_small_end_holds_to_its_error(troesch):
     point = troesch["UZ2"]
     mu, step = point.values["mu"], 1e-4

@@ -19,6 +19,7 @@ COMMAND = [sys.executable, "-m", "contin"]
 
 @needs_full
 @pytest.mark.parametrize("arguments", [["run", "case.yaml"], ["run", "case.yaml", "-q", "--json", "-"], ["models"]])
+@pytest.mark.seldom
 def test_a_full_disk_behind_standard_output_is_said_and_the_files_are_written(tmp_path, arguments):
     run_file(tmp_path, FOLD, {"parameter": "p"}, outputs={"json": "kept.json", "save": "kept.contin"})
     with FULL.open("w") as full:
@@ -43,6 +44,7 @@ def test_one_output_that_does_not_fit_leaves_the_others_whole(tmp_path, capsys):
     assert call("export", tmp_path / "kept.contin", tmp_path / "again.json") == 0
 
 
+@pytest.mark.seldom
 def test_a_reader_that_has_seen_enough_loses_no_output(tmp_path):
     run_file(tmp_path, FOLD, {"parameter": "p"}, outputs={"json": "kept.json", "plot": "kept.png"})
     reading, writing = os.pipe()

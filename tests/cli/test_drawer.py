@@ -81,6 +81,7 @@ def test_what_it_cannot_draw_the_run_cannot_draw_either_and_says_why(results, tm
     assert troubles
 
 
+@pytest.mark.seldom
 def test_a_run_does_not_wait_for_matplotlib(tmp_path):
     (tmp_path / "run.yaml").write_text(RUN)
     done = subprocess.run([sys.executable, "-c", CALL], cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -23,6 +23,7 @@ assert "color" in (Own.set.__doc__ or "")
 
 
 @pytest.mark.parametrize("suffix", [".png"])
+@pytest.mark.seldom
 def test_pictures_have_the_same_bytes(suffix):
     found = []
     for load in ("", "from contin.cli.drawing import load_matplotlib; load_matplotlib()"):

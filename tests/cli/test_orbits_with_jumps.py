@@ -13,6 +13,7 @@ from tests.cli.calls import call, results
 EXAMPLE = Path(__file__).parents[2] / "examples" / "spiking-neuron.yaml"
 
 
+@pytest.mark.seldom
 def test_the_example_of_a_spiking_neuron_runs(tmp_path):
     path, out = tmp_path / "neuron.yaml", tmp_path / "out.json"
     path.write_text(EXAMPLE.read_text().replace("range: [3, 20]", "range: [9.5, 12]"))
@@ -32,6 +33,7 @@ def test_the_example_of_a_spiking_neuron_runs(tmp_path):
     assert again.orbit.period == pytest.approx(point["values"]["period"])
 
 
+@pytest.mark.seldom
 def test_a_saved_run_keeps_its_orbits_and_its_curve_of_doublings(tmp_path):
     """x -> a x (1 - x) + b at each tick: doublings at (a - 1)^2 = 4 - 4 a b."""
     (tmp_path / "r.yaml").write_text(

@@ -18,6 +18,7 @@ CUSP = {
 PHASE = {"parameter": ["p", "q"], "range": {"p": [-1, 1], "q": [-1, 1.5]}}
 
 
+@pytest.mark.seldom
 def test_the_command_writes_regions_and_a_picture(tmp_path, capsys):
     (tmp_path / "cusp.yaml").write_text(json.dumps(CUSP))
     out, picture = tmp_path / "out.json", tmp_path / "out.png"
@@ -34,6 +35,7 @@ def test_the_command_writes_regions_and_a_picture(tmp_path, capsys):
     assert "2 of 3 equilibria stable" in capsys.readouterr().out
 
 
+@pytest.mark.seldom
 def test_a_run_file_draws_its_phase_diagram_and_may_go_on_from_its_curves(tmp_path):
     outputs = {"plot": "out.png", "json": "out.json", "save": "out.contin"}
     path = run_file(tmp_path, CUSP, phase=PHASE, outputs=outputs)
@@ -63,6 +65,7 @@ def test_mistakes_are_named_with_their_place(tmp_path, capsys, phase, message):
 
 
 @pytest.mark.parametrize(("option", "curves"), [((), ["HB", "LPC"]), (("--no-orbits",), ["HB"])])
+@pytest.mark.seldom
 def test_periodic_orbits_take_part_unless_they_are_left_out(tmp_path, capsys, option, curves):
     """The Bautin normal form: between folds and Hopf points a stable orbit surrounds the stable equilibrium."""
     growth = "(p + q*(x^2 + y^2) - (x^2 + y^2)^2)"

@@ -21,6 +21,7 @@ MORRIS_LECAR = {
 PLANE = {"parameter": ["I", "phi"], "range": {"I": [30, 60], "phi": [0.05, 0.4]}}
 
 
+@pytest.mark.seldom
 def test_spikes_at_rest_lose_the_invariant_circle_at_a_non_central_orbit(tmp_path):
     """The fold does not move with phi, the time scale of w: the circle breaks at one value of it."""
     runs = [

@@ -55,6 +55,7 @@ def refused(folder, capsys, text, *options):
     return capsys.readouterr().err
 
 
+@pytest.mark.seldom
 def test_another_process_goes_on_with_the_same_digits(folder):
     subprocess.run([sys.executable, "-m", "contin", "run", "second.yaml", "--quiet"], cwd=folder, check=True)
     first, second = (json.loads((folder / f"{name}.json").read_text())["branches"] for name in ("first", "second"))

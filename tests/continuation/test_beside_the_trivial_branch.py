@@ -40,6 +40,7 @@ def test_a_pitchfork_on_a_needle_of_a_wide_branch_is_not_passed_by(beyond):
     assert any(p.type == "BP" and abs(p.values["a"] - 4.0) <= p.error + 1e-14 for p in branch.points)
 
 
+@pytest.mark.seldom
 def test_an_amplitude_that_falls_to_zero_does_so_at_the_pitchfork():
     """x'' + x = eps (-a x' + atan(4 x')), averaged: the amplitude vanishes at a = 4, not at the end of the range."""
     model = contin.load(

@@ -44,6 +44,7 @@ def test_both_ways_round_a_circle_meet_once(circle):
     assert ends == {"closed", "steps"}
 
 
+@pytest.mark.seldom
 def test_both_ways_from_a_branch_point_meet_once():
     """x (1 - x^2 - p^2) = 0: the circle from its crossing with x = 0 at p = 1, born there, from places beside it."""
     problem = contin.FunctionProblem(

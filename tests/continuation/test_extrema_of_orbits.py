@@ -52,6 +52,7 @@ def test_a_column_that_is_zero_is_not_looked_into(start, monkeypatch):
 
 
 @pytest.mark.parametrize("column", [IN_PHASE, "amplitude"])
+@pytest.mark.seldom
 def test_extrema_of_formulas_and_standard_columns_are_followed(start, column):
     bounds = (0.72, 0.82) if column == IN_PHASE else (0.9, 1.0)
     begin = start if column == IN_PHASE else contin.periodic_orbit(MODEL, {"x": 0.5, "y": 0}, {"w": 0.94})

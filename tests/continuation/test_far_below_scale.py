@@ -108,6 +108,7 @@ def test_labels_do_not_depend_on_a_scale_that_is_far_too_large(scale):
     np.testing.assert_allclose([branch["LP1"].values["mu"], branch["LP2"].values["mu"]], mu[turns], rtol=1e-9)
 
 
+@pytest.mark.seldom
 def test_states_that_are_zero_to_rounding_are_not_measured_by_it():
     """Three metronomes near in-phase synchrony: v1 = v3 but for 1e-12, on which a metric of 1e-12 was founded."""
     model = contin.average(contin.load("metronomes/three"), form="cartesian")

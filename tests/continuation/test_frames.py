@@ -36,6 +36,7 @@ def test_a_diagram_is_one_data_frame_by_branch_and_row():
     np.testing.assert_allclose(fork.x**2, fork.p, atol=1e-9)
 
 
+@pytest.mark.seldom
 def test_a_dataset_says_what_the_branch_is():
     pytest.importorskip("xarray")
     branch = contin.continuation(contin.equilibrium(FOLD), "p", (-1, 2), name="line")

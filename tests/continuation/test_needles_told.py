@@ -38,6 +38,7 @@ def test_of_states_in_sizes_of_one(kind, form, k, beyond):
     ("form", "k", "shift", "beyond"),
     [("tanh", 1e4, 1.0, 1e-4), ("atan", 1e6, 0.0, 1e-4), ("corner", 1e4, 0.0, 0.01), ("atan", 1e4, 1.0, 0.3)],
 )
+@pytest.mark.seldom
 def test_of_boundary_values(form, k, shift, beyond):
     """Rows changed to and fro between both arms of the needle, or 1e-7 of a function was taken for a mesh's."""
     problem = contin.load(
@@ -67,6 +68,7 @@ def followed(form: str, k: float, method: str, beyond: float):
         ("corner", "collocation", 1e-4), ("corner", "shooting", 1e-4),
     ],
 )
+@pytest.mark.seldom
 def test_of_orbits(form, method, beyond):
     k = 1e4
     assert is_told(followed(form, k, method, beyond), k)

@@ -1,6 +1,7 @@
 """Orbits by shooting with multipliers beyond 1/eps: events of the others are told as lost, and the branch goes on."""
 
 import numpy as np
+import pytest
 
 from contin.continuation.location.isolate import HALVINGS, isolate
 from contin.continuation.outcome import NOTHING
@@ -8,6 +9,7 @@ from contin.continuation.sample import Sample
 from tests.truth.test_orbits_in_one_step import family
 
 
+@pytest.mark.seldom
 def test_period_doublings_are_found_and_what_rounding_hides_is_told():
     """At p = 1 a multiplier is e^(20 pi) = 2e27; halving a step between signs of rounding took hours."""
     branch = family("PD", 0.1, "shooting")

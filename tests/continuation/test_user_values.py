@@ -16,6 +16,7 @@ def test_a_user_value_in_the_same_step_as_a_branch_point_is_hit(value):
     assert uz.values["p"] == value
 
 
+@pytest.mark.seldom
 def test_user_values_in_every_step_leave_the_bifurcations_as_they_are():
     # x' = p - x^2 has a fold at p = 0; y' = (p - 1/2) y + .. a branch point, z, w a Hopf point, at p = 0.7
     rhs = {

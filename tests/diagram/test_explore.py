@@ -151,6 +151,7 @@ def test_angles_are_identified_modulo_their_period():
     assert [p.type for b in diagram for p in b.points] == ["BP", "BP"]
 
 
+@pytest.mark.seldom
 def test_all_equilibria_of_a_ring_of_three_cells():
     """Kernel of dimension 2 at p = 3 d; the branches against Newton's method from many random starts."""
     equations = ring(3, 0.2)
@@ -159,6 +160,7 @@ def test_all_equilibria_of_a_ring_of_three_cells():
 
 
 @pytest.mark.parametrize("cells", [6, pytest.param(8, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_branches_that_only_the_order_of_the_ring_tells_apart(cells):
     """First branch point with wave number 1: its kernel has dimension 2, and 2 n half-branches are n whole ones."""
     names = " ".join(f"u{k}" for k in range(cells))
@@ -171,6 +173,7 @@ def test_branches_that_only_the_order_of_the_ring_tells_apart(cells):
         assert_same_points(found, image)
 
 
+@pytest.mark.seldom
 def test_rotating_a_solution_of_a_ring_of_four_cells_gives_a_solution_of_the_diagram():
     """No symmetry is declared: every solution's orbit under rotation, reflection and sign is found."""
     names = "u0 u1 u2 u3"
@@ -180,6 +183,7 @@ def test_rotating_a_solution_of_a_ring_of_four_cells_gives_a_solution_of_the_dia
         assert_same_points(found, image)
 
 
+@pytest.mark.seldom
 def test_continuous_symmetry_gives_one_representative():
     """p z - z |z|^2: a circle of equilibria; one branch stands for it and says why it ends."""
     diagram = explore({"x": "p*x - x*(x^2 + y^2)", "y": "p*y - y*(x^2 + y^2)"}, zeros("x y"), AT, R)

@@ -5,6 +5,7 @@ import pytest
 import contin
 
 
+@pytest.mark.seldom
 def test_shimizu_and_moriokas_gluings_alternate_with_doublings_and_end():
     """x' = y, y' = x - a y - x z, z' = -b z + x^2 at b = .4: two mirror images glue at a = 1.2054, and on."""
     model = contin.Model(

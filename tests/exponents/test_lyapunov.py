@@ -117,6 +117,7 @@ def test_the_unit_of_time_divides_them_and_the_units_of_states_do_not_matter():
 
 
 @pytest.mark.parametrize("tilt", [pytest.param(0.0, marks=pytest.mark.long), 0.3])
+@pytest.mark.seldom
 def test_jumps_carry_disturbances_by_their_saltation_matrix(tilt):
     """A clock s that rings at 1 and iterates the logistic map: ln 2 and 0, also where the bell's time depends on x."""
     after = "4*x*(1 - x)"
@@ -129,6 +130,7 @@ def test_jumps_carry_disturbances_by_their_saltation_matrix(tilt):
     assert abs(found.exponents[1]) < 1e-2
 
 
+@pytest.mark.seldom
 def test_a_forced_impact_oscillator_loses_what_its_impacts_and_damping_take():
     """Each impact multiplies areas in (x, v) by r^2, damping by exp(-c) a time unit: the sum, exactly."""
     model = contin.Model(

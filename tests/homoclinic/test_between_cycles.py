@@ -46,6 +46,7 @@ def turning_points(g: float) -> list[float]:
     return [float(x) for x in 0.5 * (low + high).ravel()]
 
 
+@pytest.mark.seldom
 def test_a_run_finds_an_orbit_homoclinic_to_a_cycle_and_follows_it(tmp_path):
     t = 2 * math.pi * np.arange(101) / 100
     rows = np.column_stack([t, -0.025 * np.cos(t), 0.025 * np.sin(t), np.cos(t), np.sin(t)])

@@ -31,6 +31,7 @@ def loops(leaf):
     return contin.continuation(family["HOM1"].locus(("m", "a")), ("m", "a"), box)
 
 
+@pytest.mark.seldom
 def test_homoclinic_orbits_of_the_cubic_leaf_have_m_zero_and_its_extent(loops):
     assert loops.locus == "HOM"
     assert [end.reason for end in loops.ends] == ["bound", "bound"]
@@ -60,6 +61,7 @@ def test_homoclinic_orbits_leave_a_bogdanov_takens_point_as_the_normal_form_says
 
 
 @pytest.mark.parametrize(("sign", "label"), [pytest.param(1, "OFS", marks=pytest.mark.long), (-1, "OFU")])
+@pytest.mark.seldom
 def test_orbits_flip_where_the_leading_direction_is_not_excited(sign, label):
     """The leaf drives z' = c z + k x, c = -0.5 the slowest stable rate: m = 0 for all k, and the orbit returns along z,
     its part there being k times the integral of exp(0.5 s) x(s) > 0. In reversed time it leaves that way."""

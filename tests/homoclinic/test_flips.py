@@ -81,6 +81,7 @@ def loops():
     return contin.continuation(start, ("m", "alpha"), {"m": (-0.5, 0.5), "alpha": (0.4, 2)})
 
 
+@pytest.mark.seldom
 def test_the_inclination_flip_of_sandstedes_model_is_where_auto_finds_it(loops):
     """AUTO-07p, demo `san`, run 3, label 7: alpha = 1.230857."""
     np.testing.assert_allclose(loops.columns["m"], 0, atol=1e-10)
@@ -98,6 +99,7 @@ def test_inclination_flips_are_where_the_adjoint_solution_loses_its_leading_part
         assert zero == pytest.approx(alpha, abs=1e-7)
 
 
+@pytest.mark.seldom
 def test_orbit_flip_where_the_loop_is_planar():
     """AUTO-07p, demo `san`, run 11: with beta = 0, a = 1/2, b = 3 the loop flips at mu = m = 0, leading rate -2."""
     model = sandstede(a=0.5, b=3, alpha=1, beta=0, mu=0.25, m=0.06)
@@ -109,6 +111,7 @@ def test_orbit_flip_where_the_loop_is_planar():
     assert loops["OFS1"].error < 1e-8
 
 
+@pytest.mark.seldom
 def test_in_reversed_time_the_flip_is_on_the_unstable_side():
     plane = ("m", "alpha")
     (forwards,) = contin.connecting_orbit(sandstede(), {"x": 0, "y": 0, "z": 0}).locus(plane)

@@ -23,6 +23,7 @@ TWO = {
 }  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_a_run_switches_to_an_orbit_of_two_turns(tmp_path):
     """Two pulses like the single one, at the same speed but for exp(-time between them) (Shilnikov)."""
     path = run_file(tmp_path, NERVE, PULSE, TWO, outputs={"json": "out.json"})

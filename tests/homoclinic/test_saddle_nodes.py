@@ -42,6 +42,7 @@ def central(predators):
     return contin.continuation(family["HOM1"].locus(PLANE), PLANE, BOX)
 
 
+@pytest.mark.seldom
 def test_central_orbits_lie_on_the_curve_of_folds(central):
     """f = 0 and det f_u = 0, by hand."""
     assert (central.locus, central.kind) == ("HOM", "locus")
@@ -65,6 +66,7 @@ def test_central_orbits_end_at_the_non_central_ones_of_auto(central):
     assert (low.values["K"], low.values["Z"]) == pytest.approx((5.180317, 0.06385503), rel=3e-6)
 
 
+@pytest.mark.seldom
 def test_the_curve_of_saddle_loops_comes_to_the_same_point(predators, central):
     loops = contin.continuation(family_at(predators, 6.7)["HOM1"].locus(PLANE), PLANE, BOX | {"K": (4.9, 6.8)})
     assert [p.type for p in loops.points] == ["NCH"]
@@ -127,6 +129,7 @@ def josephson():
     )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_rotations_have_a_curve_of_homoclinic_orbits_too(josephson):
     """I = 4 g/pi + O(g^2) by Melnikov's method; at I = 1 it ends where the saddle-node's loop is non-central."""
     family = contin.continuation(contin.periodic_orbit(josephson), "I", (0.0, 2.0))

@@ -35,6 +35,7 @@ def curve_of(model, samples, k):
     return contin.continuation(start, ("m", "k"), {"m": (-0.1, 0.1), "k": k})
 
 
+@pytest.mark.seldom
 def test_a_flip_is_where_quadrature_says_however_weak_the_coupling_is():
     """Integral of exp(-0.5 t) psi . (x + k y, x^2) = 0 at k = 6.02105263157895 (mpmath, 30 digits)."""
     fields = plane((" + w*z*(x + k*y)", " + w*z*x^2")) | {"z": "-0.5*z"}
@@ -47,6 +48,7 @@ def test_a_flip_is_where_quadrature_says_however_weak_the_coupling_is():
     assert found.notes == ()
 
 
+@pytest.mark.seldom
 def test_a_state_that_the_plane_drives_makes_no_inclination_flips_and_no_notes():
     """z acts on nothing, in coordinates that hide it (v = z + x): the adjoint solution has no part in it."""
     fields = plane()

@@ -48,6 +48,7 @@ def loop(sense: int):
         (-1, "q", (-0.3, 0.05), {"c": 0.3, "q": -0.2}, {"DRU": 0.0}),
     ],
 )
+@pytest.mark.seldom
 def test_points_stand_where_the_eigenvalues_say(sense, second, bounds, fixed, expected):
     model, p = system(sense), {"c": 0.3, **fixed}
     start = contin.connection(model, {"x": 0}, parameters=p, samples=loop(sense), truncation=1e-4)

@@ -111,6 +111,7 @@ def test_dimensions_that_do_not_fit_are_named(skew):
         contin.connection(skew, {"x": -1}, {"x": 1}).locus(("k", "k2"))
 
 
+@pytest.mark.seldom
 def test_a_failure_names_the_step_of_the_homotopy():
     """Antidamping that no parameter undoes: the trajectory's end cannot be brought back."""
     start = contin.connection(DUFFING, {"x": 0}, parameters={"d": 0.3})
@@ -137,6 +138,7 @@ def test_the_derivative_of_an_invariant_subspace_is_the_limit_of_differences():
         np.testing.assert_allclose(exact, (pair[0] - pair[1]) / (2 * step), atol=1e-8)
 
 
+@pytest.mark.seldom
 def test_an_orbit_that_turns_about_a_saddle_focus_on_its_way_out_is_one_loop():
     """AUTO's demo tfc, a food chain, with rates 0.048 +- 0.074 i and -0.61 at the saddle: the limit that the family's
     last orbits tell and the connecting orbit agree to the limit's error."""

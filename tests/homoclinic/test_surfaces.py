@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import contin
 from contin.model.model import Model
 
 
+@pytest.mark.seldom
 def test_homoclinic_orbits_are_followed_up_to_a_switching_surface_and_no_further():
     """x' = y, y' = p + q x + x^2 - x y: orbits from BT on p = -6/25 q^2 + O(q^3); a wall at x = -0.1 pushes back."""
     box = {"p": (-0.3, 0.1), "q": (-0.5, 0.2)}

@@ -13,6 +13,7 @@ SWIFT = contin.Model(
 EVEN = {"v": "-v", "y": "-y"}
 
 
+@pytest.mark.seldom
 def test_a_pulse_of_the_fourth_order_equation_in_closed_form():
     """u'''' + P u'' + u - u^2 = 0 at P = -13/6: u = 35/24 sech(t / sqrt 24)^4 (Buffoni, Champneys and Toland 1996)."""
     start = contin.connection(SWIFT, {"u": 0}, reversor=EVEN)
@@ -26,6 +27,7 @@ def test_a_pulse_of_the_fourth_order_equation_in_closed_form():
     assert np.abs(u - exact).max() < 1e-8  # both halves
 
 
+@pytest.mark.seldom
 def test_solitary_waves_in_two_parameters_where_the_origin_is_a_saddle_centre():
     """Demo kdv of AUTO: u = 3 (b + 1/2) sech^2 for a = 3/5 (2b + 1)(b - 2) (Champneys and Groves 1997)."""
     kdv = contin.Model(
@@ -50,6 +52,7 @@ def test_a_kink_leads_to_the_image_of_its_saddle():
     assert branch.columns["u.max"].min() > 0.999
 
 
+@pytest.mark.seldom
 def test_two_pulses_from_samples_end_at_a_fold():
     """Of u'''' + P u'' + u - u^3 = 0 (demo rev of AUTO): the orbit from two pulses turns back; a finer orbit agrees."""
     cubic = contin.Model(

@@ -34,6 +34,7 @@ def seeds(start):
     return [one.locus(("rho", "s"))[0] for one in start]
 
 
+@pytest.mark.seldom
 def test_the_origin_is_connected_with_a_cycle_where_the_attractor_is_born(seeds, lorenz):
     """rho = 24.0579 (Doedel, Kooi, van Voorn and Kuznetsov 2008), from cycles on both sides of it.
 
@@ -99,6 +100,7 @@ def test_ends_that_are_farther_from_the_cycle_state_larger_errors(lorenz, cycles
     assert 0.0 < at_ten.error < 1e-8 < far.error < truncation
 
 
+@pytest.mark.seldom
 def test_samples_of_an_orbit_are_enough(lorenz, cycles, seeds, at_ten):
     """An orbit at rho = 24.0579, from a table that is only roughly right."""
     point = next(point for point in cycles.points if point.type == "UZ" and point.values["rho"] > 24)

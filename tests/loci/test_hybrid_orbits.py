@@ -29,6 +29,7 @@ def henon():
     return contin.continuation(contin.periodic_orbit(HENON), "a", (-1.0, 3.0))
 
 
+@pytest.mark.seldom
 def test_folds_of_bouncing_balls_lie_on_their_curve():
     """A w = (1 - r)/(1 + r) T/2 of every restitution r, with multipliers whose product is r^2."""
     start = contin.periodic_orbit(TABLE, {"x": 0.01, "v": 0.5}, {"A": 1.05 * FOLD})
@@ -89,6 +90,7 @@ def test_tori_of_a_delayed_logistic_map_of_jumps():
     assert curve.locus == "NS"
 
 
+@pytest.mark.seldom
 def test_a_curve_ends_where_its_orbit_grazes_another_surface():
     """Doublings at x = (1 + a)/(2 a); the orbit touches x sin(pi s) = h at x = h: a = 1/(2 h - 1)."""
     start = contin.periodic_orbit(HOOP, {"x": 0.6}, {"a": 2.9})

@@ -69,11 +69,13 @@ def test_a_curve_of_orbits_that_another_one_crosses_says_so(name):
 
 
 @pytest.mark.parametrize("name", ["LPC", "BPC", *(pytest.param(n, marks=pytest.mark.long) for n in ("PD", "NS"))])
+@pytest.mark.seldom
 def test_a_curve_by_shooting_turns_off_beside_another_one(name):
     assert stays(curve_of_orbits(name, 1e-6, method="shooting"), 1e-3)
 
 
 @pytest.mark.parametrize("type_", ["LP", "HB"])
+@pytest.mark.seldom
 def test_a_curve_of_a_sparse_system_turns_off_beside_another_one(type_):
     """States beyond the first one or two are x_k' = x_(k-1)/10 - x_k."""
     n, few = 12, 1 if type_ == "LP" else 2
@@ -116,6 +118,7 @@ def test_a_curve_in_three_parameters_turns_off_beside_another_one(type_):
 
 
 @pytest.mark.parametrize("type_", ["LP", "BP"])
+@pytest.mark.seldom
 def test_a_curve_of_boundary_values_turns_off_beside_another_one(type_):
     """u' = 0 with g = u^2, or u g = u^3."""
     condition = f"{G} - u(start)*u(end) = 0" if type_ == "LP" else f"u(start)*{G} - u(end)^3 = 0"
@@ -129,6 +132,7 @@ def test_a_curve_of_boundary_values_turns_off_beside_another_one(type_):
     assert stays(found, 1e-3)
 
 
+@pytest.mark.seldom
 def test_a_curve_of_connections_turns_off_beside_another_one():
     """The loop x^2 (1 - x) = y^2 of `tests/homoclinic/test_connections.py`, which there is at g = 0."""
     equations = {"x": "a*x + y - a*x^2 + m*x*(2 - 3*x)", "y": "x + a*y - 1.5*x^2 - 1.5*a*x*y - 2*m*y"}

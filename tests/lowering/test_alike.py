@@ -24,6 +24,7 @@ FORMULAS = st.lists(
 
 @settings(max_examples=8, deadline=None)
 @given(st.lists(FORMULAS, min_size=6, max_size=6), st.integers(0, 1000))
+@pytest.mark.seldom
 def test_shapes_give_the_values_and_derivatives_of_the_formulas(texts, seed):
     rng = np.random.default_rng(seed)
     rights = dict(zip(STATES, texts, strict=True))

@@ -85,6 +85,7 @@ def co_hurwitz(x):
     return a3, a1 * a2 - a3, a2
 
 
+@pytest.mark.seldom
 def test_co_oxidation_has_its_folds_and_hopf_points_where_the_determinants_vanish():
     model = contin.load("co-oxidation")
     assert {item.label for item in model.expect} == {"LP", "HB"}

@@ -223,6 +223,7 @@ def test_formulas_that_double_at_every_step_stop_at_the_budget(monkeypatch):
         Model("m", states={"x": 0}, equations={"x": "f59(x)"}, functions=functions)
 
 
+@pytest.mark.seldom
 def test_thousands_of_definitions_in_a_chain_are_no_problem():
     chain = {"d0": "x"} | {f"d{i}": f"sin(d{i - 1}) + 1" for i in range(1, 3000)}
     model = Model("m", states={"x": 0}, equations={"x": "d2999"}, definitions=dict(reversed(chain.items())))

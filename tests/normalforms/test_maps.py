@@ -64,6 +64,7 @@ def test_neimark_sacker_coefficient_survives_a_change_of_coordinates_and_units(s
     assert "resonance" not in form
 
 
+@pytest.mark.seldom
 def test_coefficient_of_the_delayed_logistic_map_is_the_measured_decay_of_its_orbits():
     # x -> r x (1 - y), y -> x at r = 2, theta = pi/3 (Kuznetsov, Elements, 3rd ed., sec. 4.7)
     jet = taylor_jet(["x", "y"], ["r"], ["r*x*(1 - y)", "x"], {"x": 0.5, "y": 0.5, "r": 2}, kind="map")

@@ -78,6 +78,7 @@ def test_models_show_their_equations_and_simulations_their_course():
     check(contin.sweep(model, "mu", (-0.5, 0.5), steps=4)._repr_html_(), 1)
 
 
+@pytest.mark.seldom
 def test_the_orbit_at_a_row_is_the_circle_of_the_closed_form(diagram):
     """r = sqrt(mu), period 2 pi, multiplier exp(-2 mu 2 pi)."""
     cycles = next(branch for branch in diagram if branch.kind == "orbit")
@@ -109,6 +110,7 @@ def test_branches_in_memory_draw_into_axes_of_the_user(diagram):
 
 
 @pytest.mark.parametrize("n", [2, 60])
+@pytest.mark.seldom
 def test_branches_of_functions_without_names_of_states_show_themselves(n):
     def rate(u, p):
         return p["p"] - u**2

@@ -89,6 +89,7 @@ def test_an_installed_wheel_has_the_command_and_its_own_models(build, install, t
     assert folder.is_relative_to(binaries.parent.resolve())
 
 
+@pytest.mark.seldom
 def test_an_editable_install_reads_the_folder_of_the_repository(build, install, tmp_path):
     wheel = build("editable")
     assert not any("_models" in name for name in zipfile.ZipFile(wheel).namelist())
@@ -109,6 +110,7 @@ print(folder(), len(packed._archive().namelist()) > 100, line["HB1"].values["B"]
 """
 
 
+@pytest.mark.seldom
 def test_a_wheel_with_machine_code_needs_no_numba_and_no_home(build, install, tmp_path):
     """Archives for this processor's target: what is made here anyway. The other targets differ in name alone."""
     wheel = build("wheel", target.label())

@@ -45,6 +45,7 @@ def test_every_example_passes_check(path):
     assert plan.runs or plan.diagram
 
 
+@pytest.mark.seldom
 def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
     code = "".join(blocks("python")) + "\nprint(len(fork.points), 'points')"
     monkeypatch.chdir(tmp_path)  # the example writes a picture

@@ -1,6 +1,7 @@
 """Deflated continuation: disconnected branches are found, counted and followed."""
 
 import numpy as np
+import pytest
 
 import contin
 from contin.search.deflated_newton import beside
@@ -22,6 +23,7 @@ def test_deflation_finds_the_roots_of_a_polynomial_one_after_the_other():
 ROOTS = np.array([-1.5, 0.2, 2.0])
 
 
+@pytest.mark.seldom
 def test_all_branches_of_chafee_and_infante_between_their_second_and_third_bifurcation():
     # u_t = u_xx + lam (u - u^3) on (0, pi), u = 0 at the ends: 2 n + 1 solutions where n^2 < lam < (n + 1)^2, and none
     # of their branches meet between lam = 5 and 8

@@ -79,6 +79,7 @@ REFUSED = {
 @pytest.mark.parametrize(
     "kind", [pytest.param("interval", marks=pytest.mark.long), "circle", "rectangle"]
 )  # differences on an interval are those on a rectangle
+@pytest.mark.seldom
 def test_fields_take_verbs_or_say_why_not(kind):
     model = landau(kind)
     for verb, call in TAKEN.items():
@@ -89,6 +90,7 @@ def test_fields_take_verbs_or_say_why_not(kind):
         assert words in str(refused.value), verb
 
 
+@pytest.mark.seldom
 def test_orbits_that_simulations_settle_on_are_those_born_at_the_hopf_point():
     """a exp(i t) of the whole circle, a^2 = mu, whose frequency is 1; both have the columns of the fields."""
     model = landau("circle")
@@ -101,6 +103,7 @@ def test_orbits_that_simulations_settle_on_are_those_born_at_the_hopf_point():
     assert set(born(model).columns) <= set(columns)
 
 
+@pytest.mark.seldom
 def test_functions_whose_states_have_no_names_have_columns_of_their_norm():
     n = 52
 

@@ -95,6 +95,7 @@ def test_newtons_method_that_runs_into_zero_ends_there():
     assert not found.u.any()
 
 
+@pytest.mark.seldom
 def test_bratu_fold_on_a_square():
     axis = {"points": 14, "method": "chebyshev"}
     found = fold(model("lap(u) + lam*exp(u)", domain={"x": axis, "y": axis}), 8)
@@ -120,6 +121,7 @@ TOP = 0.6  # one or two points below
 @pytest.mark.parametrize(
     ("circumference", "points"), [*(pytest.param(2, n, marks=pytest.mark.long) for n in (32, 64)), (4, 64), (6, 32)]
 )
+@pytest.mark.seldom
 def test_branch_points_of_swift_hohenberg_on_a_circle_lie_within_their_errors(circumference, points):
     # r = (1 - k^2)^2 with k = 2 j/circumference: zero eigenvalues of a matrix of rounded entries up to (points/2)^4
     domain = {"x": {"to": f"{circumference}*pi", "points": points, "periodic": True, "method": "fourier"}}

@@ -46,6 +46,7 @@ def moved(u, distance):
     return np.fft.irfft(np.fft.rfft(u) * np.exp(-1j * distance * np.fft.rfftfreq(len(u), 1.0 / len(u))), len(u))
 
 
+@pytest.mark.seldom
 def test_the_shortest_relative_orbit_of_kuramoto_sivashinsky_at_22():
     """Cvitanovic, Davidchack and Siminos, SIAM J. Appl. Dyn. Syst. 9 (2010) 1: T = 16.3149, which moves it by 2.863.
 

@@ -75,6 +75,7 @@ def kuramoto_sivashinsky(**more):
     })  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_kuramoto_sivashinsky_waves_stand_still_until_they_branch_off_and_travel():
     problem = kuramoto_sivashinsky()
     line = contin.continuation(problem, "nu", (0.28, 0.95), settings={"steps": 40})

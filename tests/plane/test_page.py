@@ -37,6 +37,7 @@ def test_pictures_and_numbers(model):
     assert (model.parent / "a.svg").read_text().startswith("<?xml")
 
 
+@pytest.mark.seldom
 def test_a_page_with_a_slider(model):
     found = planes_along(_loaded(model), "v", "w", "I", 0.0, 1.5, 3)
     assert [bool(p.cycles) for p in found] == [False, True, False]  # Hopf points at I = 0.3313 and 1.4187

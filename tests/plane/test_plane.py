@@ -105,6 +105,7 @@ def test_a_rotating_pendulum_has_a_saddle_a_focus_and_a_cycle_around_the_cylinde
     assert plane.plot().axes
 
 
+@pytest.mark.seldom
 def test_other_states_are_held_and_a_function_gives_the_same_plane(monkeypatch):
     monkeypatch.setattr(import_module("contin.plane.portrait"), "CELLS_OF_FUNCTIONS", 24)  # of its nullclines
     written = Model(
@@ -161,6 +162,7 @@ def test_models_that_have_no_plane_say_so():
         contin.plane(forced, "x", "v")
 
 
+@pytest.mark.seldom
 def test_a_cycle_with_jumps_has_the_multiplier_of_its_map():
     """v' = I - v with v = 0 at v = 1, w' = -w with w = w + d there: period T = log(I/(I - 1)), multiplier exp(-T)."""
     model = Model(

@@ -94,6 +94,7 @@ def test_rounding_noise_of_a_constant_state_is_drawn_flat_and_a_varying_state_is
     assert (low, high) == pytest.approx((0.5, 1.5), abs=1e-6)
 
 
+@pytest.mark.seldom
 def test_a_hundred_points_and_twenty_branches_can_be_drawn():
     p = np.linspace(0, 1, 100)
     many = [
@@ -113,6 +114,7 @@ def test_a_hundred_points_and_twenty_branches_can_be_drawn():
 
 
 @pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml")])
+@pytest.mark.seldom
 def test_pictures_of_every_kind_without_pyplot(suffix, start):
     before = "matplotlib.pyplot" in sys.modules
     data = picture(document(bautin()), suffix)

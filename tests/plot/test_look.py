@@ -117,6 +117,7 @@ def test_a_curve_under_another_is_seen():
     assert max(line.get_linewidth() for line in axes.get_lines()) < 5
 
 
+@pytest.mark.seldom
 def test_a_legend_takes_a_quarter_of_the_height_at_most():
     p = np.linspace(0, 1, 30)
     codes = "LP BP HB PD NS UZ HOM LPC BPC CP BT GH ZH HH".split()

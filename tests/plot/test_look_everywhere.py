@@ -103,6 +103,7 @@ def test_labels_of_a_survey_are_written_where_they_are_wanted():
     assert words(labels=["LPC"]) == words(labels=False) == []
 
 
+@pytest.mark.seldom
 def test_run_and_scan_files_say_it_of_simulations_sweeps_and_scans(tmp_path):
     (tmp_path / "m.yaml").write_text(
         """contin: 1
@@ -134,6 +135,7 @@ outputs: {plot: {file: g.svg, log: [k], title: A scan}}
     assert "A scan" in (tmp_path / "g.svg").read_text()
 
 
+@pytest.mark.seldom
 def test_the_commands_that_draw_take_them(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shared = ["--title", "From the command", "--size", "4,3", "--quiet"]

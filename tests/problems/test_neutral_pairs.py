@@ -60,6 +60,7 @@ def test_unstable_counts_the_negative_stiffnesses_in_any_coordinates(kind, count
 
 
 @pytest.mark.parametrize("method", ["collocation", "shooting"])
+@pytest.mark.seldom
 def test_forced_pendulum_without_friction_has_its_fold_and_no_torus(method):
     model = contin.Model(
         "pendulum", states={"x": 0.1, "y": 0}, parameters={"w": {"value": 0.6, "range": [0.3, 3]}, "a": 0.2},

@@ -55,6 +55,7 @@ def test_states_that_samples_hold_at_zero():
 
 
 @pytest.mark.parametrize("apart", [0.0, 12.0])
+@pytest.mark.seldom
 def test_two_pulses_that_lead_to_one(apart):
     model = contin.load(KDV)
     alone = contin.connection(model, {"q": 0}, reversor=REVERSOR)

@@ -162,6 +162,7 @@ def test_states_of_any_size_are_found_where_the_model_says_nothing_about_them(si
     np.testing.assert_allclose(found, [-1.0, 0.0, 1.0], atol=1e-12)
 
 
+@pytest.mark.seldom
 def test_a_declared_size_widens_the_box_and_a_diagram_says_where_it_looked():
     """x' = x (1 - x/K) with K = 1000 a: the second equilibrium is 1e6 times as far as the start."""
     equations = {"x": "x*(1 - x/(1000*a))"}

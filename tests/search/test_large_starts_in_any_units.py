@@ -32,6 +32,7 @@ def test_small_states_beside_large_ones_are_solved_for_as_well(unit):
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e3, pytest.param(1e6, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_with_typical_sizes_folds_do_not_depend_on_units_and_without_them_the_message_names_them(unit):
     """x_i = unit beside y - y^3/3 + a = 0, which folds at a = +-2/3."""
     n = 61

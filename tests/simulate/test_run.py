@@ -24,6 +24,7 @@ def test_a_transient_is_left_out_but_time_goes_on():
     assert found.states[0, 0] == pytest.approx(np.exp(-2.0), abs=1e-9)
 
 
+@pytest.mark.seldom
 def test_stiff_relaxation_has_the_period_of_its_singular_limit():
     # van der Pol, mu -> infinity: T = (3 - 2 log 2) mu + 7.014 mu^(-1/3) + ... (Dorodnicyn 1947)
     found = contin.simulate(STIFF, time=4000.0, samples=200_001, method="Radau", rtol=1e-8)

@@ -108,6 +108,7 @@ def test_mistakes_in_a_scan_file_end_with_one_message(tmp_path, capsys, change, 
     assert not (tmp_path / "s.csv").exists()
 
 
+@pytest.mark.seldom
 def test_a_cluster_of_processes_finds_the_same():
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:

@@ -156,6 +156,7 @@ def _kept(path):
 
 @pytest.mark.parametrize("trials", [2, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="needs fork and kill -9")
+@pytest.mark.seldom
 def test_runs_killed_at_random_moments_and_resumed_give_the_uninterrupted_result(tmp_path, monkeypatch, trials):
     (tmp_path / "run.yaml").write_text(RUN)
     warm_up()

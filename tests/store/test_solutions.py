@@ -116,6 +116,7 @@ def followed(point, names):
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=pytest.mark.long) if c in LONG else c for c in CASES])
+@pytest.mark.seldom
 def test_branches_from_a_file_are_those_from_memory(case, tmp_path):
     branches, pair = carried_out(case, tmp_path)
     save_branches(branches, tmp_path / "a.contin")

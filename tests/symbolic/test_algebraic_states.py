@@ -1,5 +1,7 @@
 """Flows with algebraic states as formulas of a size that can be differentiated."""
 
+import pytest
+
 from contin.model.expression import postorder
 from contin.model.model import Model
 from contin.symbolic.calculus.remove_singularities import remove_singularities
@@ -21,6 +23,7 @@ def generator():
     )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_a_common_factor_of_the_algebraic_equations_is_not_multiplied_out():
     """All of them vanish at V = 0, which cancels; multiplied out in all other symbols that has some thousand nodes."""
     equations = index_one(generator()).equations

@@ -23,6 +23,7 @@ FORCES = {  # whose denominators have complex roots: partial fractions cancel to
 
 
 @pytest.mark.parametrize("force", FORCES)
+@pytest.mark.seldom
 def test_averages_keep_their_digits_where_the_amplitude_is_small(force):
     model = contin.load({
         "contin": 1, "name": "one", "states": {"x": 1.0, "y": 0}, "parameters": {"alpha": 0.0, "eps": 0.01},

@@ -201,6 +201,7 @@ def test_clocks_on_a_beam_swing_as_averaged_in_phase_and_in_anti_phase():
 
 
 @pytest.mark.parametrize("mass", [0.15, pytest.param(0.4, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_clocks_on_a_free_platform_move_as_their_average(mass):
     """In opposite phase: stable beyond mass = A^2/8 - 2 c J/(pi A^2) = .2658."""
     clocks, eps, r = contin.load("oscillators/clocks-and-metronomes"), 0.005, 1.5619

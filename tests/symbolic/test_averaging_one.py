@@ -45,6 +45,7 @@ def test_average_agrees_with_quadrature_of_the_equations(force, parameters, thre
     assert (to_text(averaged.equations[0]).count("tanh") > 3 or "exp" in to_text(averaged.equations[0])) == rule
 
 
+@pytest.mark.seldom
 def test_random_polynomials_between_random_lines_agree_with_quadrature():
     chance = np.random.default_rng(2)
     for _ in range(4):

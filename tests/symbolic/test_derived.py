@@ -66,6 +66,7 @@ def test_a_model_that_cannot_be_averaged_is_refused_every_time(kept):
             contin.average(contin.load("metronomes/pair"), form="round")
 
 
+@pytest.mark.seldom
 def test_a_second_run_writes_the_same_bytes_without_computer_algebra(tmp_path):
     """In processes of their own, with an empty folder; times apart."""
     text = (

@@ -37,6 +37,7 @@ def line(model, parameter, bounds, **options):
 
 
 @pytest.mark.parametrize("reach", [None, 40.0])
+@pytest.mark.seldom
 def test_every_row_of_a_quadrature_satisfies_the_bessel_form(reach):
     branch = line(contin.average(GAUSSIAN, reach=reach), "a", (0.01, 0.9))
     np.testing.assert_allclose(branch.columns["a"], gaussian_damping(branch.columns["r"]), rtol=1e-9)
@@ -66,6 +67,7 @@ def tanh_amplitude(k):
     return float(mpmath.findroot(gap, 2.54))
 
 
+@pytest.mark.seldom
 def test_ranges_of_parameters_count_for_a_quadrature():
     narrow = oscillator("a*y - tanh(k*y)", {"a": 0.5, "k": 1})
     wide = oscillator("a*y - tanh(k*y)", {"a": 0.5, "k": {"value": 1, "range": [1, 16]}})
@@ -106,6 +108,7 @@ def test_thresholds_of_different_terms_too():
     assert branch.columns["h"].max() <= 1.5
 
 
+@pytest.mark.seldom
 def test_two_oscillators_and_all_forms_carry_their_limits():
     model = Model(
         "two", states={"x1": 1, "y1": 0, "x2": 1, "y2": 0}, parameters={"eps": 0.1, "c": 0.3},
@@ -147,6 +150,7 @@ def test_a_bad_reach_is_refused():
         contin.average(GAUSSIAN, reach=-1)
 
 
+@pytest.mark.seldom
 def test_a_function_that_changes_fast_is_averaged_as_far_as_a_rule_goes():
     """<atan(20 x)^2 sin^2>: no rule serves up to the amplitude 4, one up to 1.7 does, and the branch says so there."""
     model = oscillator("-a*y + y*atan(20*x)^2", {"a": 1.5}, x=0.4)

@@ -48,6 +48,7 @@ def test_duffing_frequency_as_a_function_of_the_energy():
         assert found == pytest.approx(exact, abs=0.5 * eps**2)
 
 
+@pytest.mark.seldom
 def test_the_metronomes_branch_point_moves_with_eps_as_the_exact_one():
     """mu_c(eps) for beta = 0.3, a = 4, b = 1 from multipliers of the full equations, digits as quoted."""
     exact = {0.0: 10.572900507, 0.001: 10.50272674, 0.005: 10.24036985, 0.01: 9.94802926, 0.02: 9.45499633}
@@ -85,6 +86,7 @@ def period_of(force, eps, low, high):
     return r, turn(r)[1]
 
 
+@pytest.mark.seldom
 def test_piecewise_forces_predict_the_frequency_one_order_better():
     model = oscillators(
         "-alpha*y + s*x^2 + q*x*y + (a*x^3 - b*x^5 if x*y > 0 else 0)",
@@ -109,6 +111,7 @@ def test_piecewise_forces_predict_the_frequency_one_order_better():
 
 
 @pytest.mark.parametrize("form", ["cartesian", pytest.param("stokes", marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_second_order_forms_agree_with_the_polar_one(form):
     curves = []
     for name in ("polar", form):
@@ -197,6 +200,7 @@ PIECEWISE = {
 
 
 @pytest.mark.parametrize("name", list(PIECEWISE))
+@pytest.mark.seldom
 def test_thresholds_have_the_frequency_and_the_multiplier_of_the_simulation_to_order_eps_squared(name):
     text, parameters, force, thresholds = PIECEWISE[name]
     errors = {1: [], 2: []}
@@ -219,6 +223,7 @@ def test_thresholds_have_the_frequency_and_the_multiplier_of_the_simulation_to_o
     assert errors[2][1][1] < 0.05 * errors[1][1][1]
 
 
+@pytest.mark.seldom
 def test_the_second_order_of_thresholds_is_one_function_in_both_forms():
     model = contin.load("metronomes/one-constant")
     polar, cartesian = (contin.average(model, form=form, order=2) for form in ("polar", "cartesian"))

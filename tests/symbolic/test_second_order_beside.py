@@ -74,6 +74,7 @@ def fixed_point(function, guess, h):
 
 
 @pytest.mark.parametrize("name", list(CASES))
+@pytest.mark.seldom
 def test_slow_states_have_the_frequency_and_the_multipliers_of_the_return_map_to_order_eps_squared(name):
     force, rate, f, g, guess = CASES[name]
     turns = 1 if name == "rotator" else 0

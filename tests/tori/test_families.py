@@ -121,6 +121,7 @@ def test_a_forced_response_with_a_ring_around_it():
     assert np.allclose(branch.eigenvalues[1:, 0], np.exp(-2 * a[1:] * np.pi), atol=1e-6)
 
 
+@pytest.mark.seldom
 def test_the_product_of_two_oscillators():
     model = contin.Model(
         "two rings", states={"x": 1, "y": 0, "u": 0, "v": 0}, parameters={"a": -0.2, "w": 0.3},
@@ -165,6 +166,7 @@ def test_a_planar_flow_seen_from_time_to_time_has_circles_of_its_orbits_up_to_th
         assert branch.columns["x.max"][row] == pytest.approx(orbit.values["x.max"], rel=1e-3)  # of mesh points
 
 
+@pytest.mark.seldom
 def test_a_torus_on_which_a_simulation_settles_is_followed_to_both_sides():
     model = contin.Model(
         "two rings", states={"x": 1.2, "y": 0, "u": 0.3, "v": 0}, parameters={"a": 0.3, "w": 0.37},

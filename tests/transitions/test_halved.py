@@ -37,6 +37,7 @@ def family(kind: str, q: str, a: float, bounds: tuple[float, float]) -> contin.B
 
 
 @pytest.mark.parametrize("kind", ["map", "jumps"])
+@pytest.mark.seldom
 def test_doubled_cycles_end_at_the_period_doubling_and_are_not_run_through_again(kind):
     branch = family(kind, "a", 3.3, (2.5, 3.6))
     assert [end.reason for end in branch.ends] == ["joined", "bound"]
@@ -46,6 +47,7 @@ def test_doubled_cycles_end_at_the_period_doubling_and_are_not_run_through_again
 
 
 @pytest.mark.parametrize("kind", ["map", "jumps"])
+@pytest.mark.seldom
 def test_a_bubble_of_doubled_cycles_has_two_ends_and_each_starts_the_family_of_half_the_period(kind):
     """q = 3.2 - a^2 is 3 at a = -+sqrt(0.2); there the cycle is the fixed point 1 - 1/q = 2/3."""
     branch = family(kind, "3.2 - a^2", 0.0, (-1.0, 1.0))

@@ -32,6 +32,7 @@ def folds(model: Model, form: str, a: float, bounds: tuple[float, float], r: flo
 
 
 @pytest.mark.parametrize(("form", "k"), [("polar", 1.0), ("cartesian", 0.37)])
+@pytest.mark.seldom
 def test_folds_of_a_gaussian_damping_are_where_bessel_functions_say(form, k):
     """a r = 2 r <exp(-k x^2) sin^2> + 3/4 c r^3: the fold is the minimum of a over r."""
     c = 1e-4
@@ -65,6 +66,7 @@ def test_folds_of_a_cosine_are_at_zeros_of_a_bessel_function():
 
 
 @pytest.mark.parametrize("method", ["collocation", pytest.param("shooting", marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_folds_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
     """Detuned, the same averages are orbits: circles whose folds are those of r' above."""
     model = slow("a*y - y*cos(1.3*x) - d*x", {"a": 0.9, "d": 1.0}, "cartesian")

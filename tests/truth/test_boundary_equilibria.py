@@ -149,6 +149,7 @@ def check(seed: int, n: int, form: str) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize(("n", "form"), [(2, "heaviside"), (3, "if")])
+@pytest.mark.seldom
 def test_random_piecewise_flows(n, form):
     found = np.sum([check(seed, n, form) for seed in (0, 1, 2, 3)[n - 2 :]], axis=0)
     assert found[0] > 2

@@ -17,6 +17,7 @@ def counted(states):
     return found
 
 
+@pytest.mark.seldom
 def test_every_equilibrium_on_a_line_is_counted_once():
     """At p = 0.01, q = 0.35 there are 21 up to permutations that are products of three declared symmetries."""
     line = contin.diagram(

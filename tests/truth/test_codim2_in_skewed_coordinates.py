@@ -34,6 +34,7 @@ def drawn(kind: str, seed: int) -> Hidden:
     ("kind", "seed"),
     [("CH", 32), ("ZH", 22), ("HH", 15)],  # the long version takes 120 of each
 )
+@pytest.mark.seldom
 def test_points_are_found_within_their_errors(kind, seed):
     ledger = Ledger()
     judge(ledger, drawn(kind, seed))

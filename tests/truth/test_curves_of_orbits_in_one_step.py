@@ -12,6 +12,7 @@ from contin.model.model import Model
 
 
 @pytest.mark.parametrize("e", [0.01, 1e-3, *(pytest.param(e, marks=pytest.mark.long) for e in (0.1, 1e-4))])
+@pytest.mark.seldom
 def test_three_generalised_doublings_are_labels_at_their_places_or_a_note(e):
     cubic = f"(20*(q - {e})*q*(q + {e})*(u^2 + v^2) - (u^2 + v^2)^2)"
     model = Model(

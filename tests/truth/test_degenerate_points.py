@@ -81,6 +81,7 @@ def missing(seed: int) -> list[str]:
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
+@pytest.mark.seldom
 def test_every_solution_that_shrinks_to_the_point_is_on_a_branch(seed):
     assert missing(seed) == []
 

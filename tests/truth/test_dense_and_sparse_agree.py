@@ -65,6 +65,7 @@ def assert_alike(dense, large, types=None):
     "seeds", [(300, 303), pytest.param(range(300, 306), marks=pytest.mark.long)], ids=["few", "more"]
 )
 @pytest.mark.parametrize("zero", [False, True], ids=["forced", "with a state zero"])
+@pytest.mark.seldom
 def test_points_of_random_systems_are_those_of_the_dense_methods(zero, seeds):
     seen = set()
     for seed in seeds:
@@ -85,6 +86,7 @@ def test_points_of_random_systems_are_those_of_the_dense_methods(zero, seeds):
         (309, ["GH"], (-0.02, 0.2)),  # before the ZH point, to which twenty short steps lead
     ],
 )
+@pytest.mark.seldom
 def test_curves_of_hopf_points_of_a_state_zero_are_those_of_the_dense_methods(seed, types, mu):
     """There a curve of branch points takes the place of that of folds, and no parameter unfolds what vanishes at ZH."""
     curves = []

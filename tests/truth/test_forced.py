@@ -103,6 +103,7 @@ def test_a_start_on_doubled_responses_leads_to_those_of_one_period():
     assert len(diagram.branches) == 2  # the doubled responses are not followed again
 
 
+@pytest.mark.seldom
 def test_all_responses_that_attract_and_each_once():
     """x = c(t) + y, y' = y (1 - y) (1 + y): two attract, at every p."""
     model = Model(

@@ -82,6 +82,7 @@ def along(stem, name):
 
 
 @pytest.mark.parametrize(("stem", "name"), SHORT)
+@pytest.mark.seldom
 def test_functions_have_the_labels_of_formulas(stem, name):
     assert along(stem, name)
 

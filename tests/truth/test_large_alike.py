@@ -17,6 +17,7 @@ def check(seed):
 
 
 @pytest.mark.parametrize("seed", [11, pytest.param(37, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_labels_are_those_that_were_planted(seed):
     check(seed)
 

@@ -82,6 +82,7 @@ def assert_alike(plain: Iterable[Any], algebraic: Iterable[Any], digits: float =
     return seen
 
 
+@pytest.mark.seldom
 def test_an_algebraic_state_changes_no_label_and_no_coefficient_of_equilibria_and_their_curves():
     def runs(model: Any) -> list[Any]:
         line = contin.continuation(contin.equilibrium(model), "a", (0.01, 0.8))
@@ -102,6 +103,7 @@ def test_an_algebraic_state_changes_no_branch_point_no_orbit_and_no_homoclinic_o
     assert seen == ["BP", "HB", "HB", "HOM"]
 
 
+@pytest.mark.seldom
 def test_an_algebraic_state_changes_no_fold_of_cycles_and_no_generalised_hopf_point():
     def runs(model: Any) -> list[Any]:
         rest = contin.continuation(contin.equilibrium(model), "mu", (-1, 1))

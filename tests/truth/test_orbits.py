@@ -73,6 +73,7 @@ def test_coefficients_do_not_depend_on_the_number_of_states_or_coordinates(core)
 
 
 @pytest.mark.parametrize("core", CURVES, ids=lambda core: core.name)
+@pytest.mark.seldom
 def test_points_of_codimension_two_are_found_beside_further_states(core):
     few = len(core.equations)
     judged([Hidden(core, max(few, 5), "rotated", 7)]).assert_clean()

@@ -59,6 +59,7 @@ LONG = [
 
 
 @pytest.mark.parametrize(("type_", "e", "method"), [*SHORT, *LONG])
+@pytest.mark.seldom
 def test_all_crossings_of_one_step_are_labelled_or_a_note_says_that_they_were_not_told_apart(type_, e, method):
     branch = family(type_, e, method)
     found = [point for point in branch.points if point.type == type_]

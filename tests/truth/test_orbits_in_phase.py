@@ -132,6 +132,7 @@ LONG = [
 
 
 @pytest.mark.parametrize("cells", [*SHORT, *LONG], ids=str)
+@pytest.mark.seldom
 def test_labels_of_orbits_in_phase_depend_on_no_tolerance_and_no_rounding(cells):
     first, *others = labels_of(cells)
     for points in others:
@@ -145,6 +146,7 @@ def test_labels_of_orbits_in_phase_depend_on_no_tolerance_and_no_rounding(cells)
             assert point.z[-1] == pytest.approx(synchrony_lost(cells, point.type, point.z[-1]), abs=point.error + 1e-9)
 
 
+@pytest.mark.seldom
 def test_two_against_one_branches_from_three_in_phase():
     """The multiplier that passes 1 is double, and a family keeps the exchange of two of the three."""
     family = Cells(3, "platform", 0).family(1e-11)

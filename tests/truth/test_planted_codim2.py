@@ -83,12 +83,14 @@ def judged(systems: Iterable[Hidden], switching: bool = False) -> Ledger:
     return ledger
 
 
+@pytest.mark.seldom
 def test_points_of_codimension_two_and_the_curves_that_leave_them():
     cores = list(flows.alone(np.random.default_rng(4)))[1::2]  # the long version takes them all
     systems = hidden(np.random.default_rng(5), cores, most=3)
     judged(systems, switching=True).assert_clean()
 
 
+@pytest.mark.seldom
 def test_points_of_codimension_two_of_maps():
     cores = list(maps.alone(np.random.default_rng(3)))[1::2]  # the long version takes them all
     judged(hidden(np.random.default_rng(5), cores, most=2)).assert_clean()

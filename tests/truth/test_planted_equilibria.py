@@ -42,10 +42,12 @@ def judged(seed: int, rounds: int, spacings: list[float], worst: float) -> Ledge
     return ledger
 
 
+@pytest.mark.seldom
 def test_planted_points_are_found_or_noted():
     judged(seed=1, rounds=1, spacings=SPACINGS[::4], worst=2.0).assert_clean()
 
 
+@pytest.mark.seldom
 def test_three_events_at_any_spacing_are_found_or_noted():
     """Two of them often lie in a step beside that of the third, where no sign changes."""
     ledger, generator = Ledger(), np.random.default_rng(1)
@@ -57,6 +59,7 @@ def test_three_events_at_any_spacing_are_found_or_noted():
 
 
 @pytest.mark.parametrize("count", [12, pytest.param(300, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_three_events_near_the_spacing_that_rounding_tells_apart_are_found_or_noted(count):
     """Zeros of a test within each other's rounding are one label with a note; one beside them is not lost for it."""
     ledger, generator = Ledger(), np.random.default_rng(12)
@@ -103,6 +106,7 @@ def test_events_that_rounding_hides_are_one_label_or_none_and_the_branch_goes_on
     assert abs(branch.z[0] - branch.z[-1])[:-1].max() > 0.1 or kind
 
 
+@pytest.mark.seldom
 def test_a_tangency_is_found_wherever_the_rows_about_it_fall():
     """Beside a multiple branch point Newton fails; a trial as far from it on the other side was an ordinary minimum."""
     for k in range(0, 33, 3):
@@ -144,6 +148,7 @@ def test_errors_of_crossings_hold_in_skewed_coordinates():
 
 
 @pytest.mark.parametrize("beside", [3e-3, pytest.param(1e-5, marks=pytest.mark.long), -1e-4])
+@pytest.mark.seldom
 def test_two_crossings_as_one_are_seen_wherever_a_row_falls(beside):
     """A row near them has a small value of the test, but that is no measure of how far the test falls."""
     for size, condition in ((1, 1.0), (2, 2e3)):

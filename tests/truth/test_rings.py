@@ -30,6 +30,7 @@ CASES = [Ring(5, 1e-6, seed=1), pytest.param(Ring(8, 1e6, seed=2), marks=pytest.
 
 
 @pytest.mark.parametrize("ring", CASES, ids=str)
+@pytest.mark.seldom
 def test_every_half_leaves_the_branch_point(ring):
     assert complaint(ring) == ""
 

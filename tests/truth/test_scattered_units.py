@@ -66,6 +66,7 @@ CHECKS: dict[str, tuple[Model, Check, tuple[Units, ...]]] = {
 
 
 @pytest.mark.parametrize("name", CHECKS)
+@pytest.mark.seldom
 def test_a_unit_for_each_state_and_parameter_changes_nothing(name):
     model, check, wide = CHECKS[name]
     ordinary = check(Verbs(model, ORDINARY))

@@ -137,6 +137,7 @@ def test_zero_hopf_points_in_any_unit_of_time(rate):
     check(4, rate=rate)
 
 
+@pytest.mark.seldom
 def test_the_other_hopf_curve_is_the_other_one_where_the_tangent_at_the_point_is_none():
     """Two curves cross there: a tangent that was computed at the point was .99 along one of them, and not it."""
     check(471106, 2)

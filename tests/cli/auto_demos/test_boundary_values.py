@@ -37,6 +37,7 @@ UNSTABLE = {  # rates, radius of the circle and of the sphere
 
 
 @pytest.mark.parametrize("name", UNSTABLE)
+@pytest.mark.seldom
 def test_orbits_of_an_unstable_manifold_reach_the_sphere_when_they_do_by_integration(name):
     """um2, um3: `free: [T]` takes the place of the radius, which was solved for in the runs before."""
     rates, small, large = UNSTABLE[name]
@@ -52,6 +53,7 @@ def test_orbits_of_an_unstable_manifold_reach_the_sphere_when_they_do_by_integra
         assert np.linalg.norm(path.y[:, -1]) == pytest.approx(large, abs=1e-6)
 
 
+@pytest.mark.seldom
 def test_the_stable_manifold_of_lorenz_equations_leads_to_the_origin():
     """man: points of its orbits, integrated forwards, come near the origin."""
     columns = branches_of("man")["ws"]["columns"]

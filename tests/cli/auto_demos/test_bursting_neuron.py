@@ -60,6 +60,7 @@ def homoclinic_limit(family):
     return limit
 
 
+@pytest.mark.seldom
 def test_cycles_of_a_bursting_neuron_end_at_a_homoclinic_orbit(tmp_path):
     """pla: with the third rate of the saddle, 0.0059, 0.012 and 0.00015 among them, two orbits of period 985 agreed on
     27.6329, and the family goes on."""

@@ -25,6 +25,7 @@ def test_a_heteroclinic_orbit_of_five_equations_is_where_the_manual_has_it():
     assert [p["values"]["mu"] for p in branch["points"]] == pytest.approx([0.136505, 0.387300], abs=6e-7)
 
 
+@pytest.mark.seldom
 def test_homoclinic_orbits_to_saddle_nodes_are_where_the_manual_has_them():
     """mtn: AUTO prints (K, Z) = (7.09217, 0.158708), (11.0181, 0.280980); non-central (5.18032, 0.0638551)."""
     branches = branches_of("mtn")
@@ -55,6 +56,7 @@ def test_an_orbit_flip_in_an_invariant_plane():
     assert (point["values"]["mu"], point["values"]["m"]) == pytest.approx((0, 0), abs=1e-8)
 
 
+@pytest.mark.seldom
 def test_connections_between_two_saddles_are_called_heteroclinic(capsys):
     call("run", str(FOLDER / "stw.yaml"))
     assert "wave  locus of heteroclinic orbits in lam and c" in capsys.readouterr().out
@@ -81,6 +83,7 @@ def test_homoclinic_orbits_of_a_circuit_are_where_the_manual_has_them():
 
 
 @pytest.mark.parametrize("name", [pytest.param("p2c", marks=pytest.mark.long), "pcl"])  # the same orbit
+@pytest.mark.seldom
 def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name):
     """AUTO's manual has rho = 24.0579 at sigma = 10 and beta = 8/3 (demo pcl)."""
     heart = {branch["name"]: branch for branch in result_of(name)["branches"]}["heart"]
@@ -88,6 +91,7 @@ def test_the_origin_is_connected_with_a_cycle_where_the_manual_has_it(name):
     assert point["values"]["rho"] == pytest.approx(24.0579, abs=5e-5)
 
 
+@pytest.mark.seldom
 def test_the_orbit_from_a_cycle_to_the_other_equilibrium_is_where_reversed_trajectories_change_sides(tmp_path, capsys):
     """pci: nu1 = 0.7411891805(1), by bisection with Dormand and Prince's method of order 8, backwards along the stable
     manifold of the equilibrium. The curve is called by its ends, and ends where a multiplier of the cycle is 1."""

@@ -59,6 +59,7 @@ def test_a_forced_cell_responds_as_a_trajectory_does(tmp_path):
 
 
 @pytest.mark.parametrize("steps", [200, pytest.param(1200, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_swirling_flow_turns_where_the_literature_has_it(steps, tmp_path):
     """kar: folds of Zandbergen and Dijkstra (1977); Karman's disc draws in 0.88447411 (Rogers and Lance 1960).
 
@@ -73,6 +74,7 @@ def test_swirling_flow_turns_where_the_literature_has_it(steps, tmp_path):
     assert labelled(flows, "UZ")[-1]["values"]["f"] == pytest.approx(0.88447411 / 2, abs=1e-6)
 
 
+@pytest.mark.seldom
 def test_layers_are_those_of_another_solver(tmp_path):
     """spb at eps = 1e-3: scipy's collocation stays at the solution, at the mesh points (every fourth node)."""
     points = labelled(found_by("spb", tmp_path, "--orbits")["ends"], "UZ")
@@ -89,6 +91,7 @@ def test_layers_are_those_of_another_solver(tmp_path):
         assert np.abs(other.sol(orbit["t"][::4])[0] - orbit["u"][::4]).max() < 1e-6
 
 
+@pytest.mark.seldom
 def test_halo_orbits_are_those_of_howells_table(tmp_path):
     """r3b at mass ratio 0.04: Lyapunov's and the vertical orbits leave the libration point with half the periods of its
     modes; halo orbits (x, z, y', T/2) as in Howell (1984), table I."""

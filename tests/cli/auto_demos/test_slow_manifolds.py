@@ -27,6 +27,7 @@ def branches():
     return branches_of("fnc")
 
 
+@pytest.mark.seldom
 def test_the_attracting_slow_manifold_is_made_of_trajectories(branches):
     (point,) = branches["sheet"]["points"]
     values = point["values"]

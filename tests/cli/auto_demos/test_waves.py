@@ -24,6 +24,7 @@ def test_solitary_waves_have_belyakov_points_where_a_discriminant_vanishes():
         assert sum(terms) == pytest.approx(0.0, abs=1e-8 * max(map(abs, terms)))
 
 
+@pytest.mark.seldom
 def test_the_speed_of_a_sharp_wave_is_that_of_a_shot_from_the_other_end():
     """stw at lam = 1/2: the unstable manifold of (1, 0) passes the saddle (0, c) on one side or the other."""
 
@@ -61,6 +62,7 @@ def test_antisymmetric_orbits_are_those_of_another_solver():
     assert abs(found.y[1, -1]) == pytest.approx(abs(point["values"]["v.min"]), rel=1e-6)
 
 
+@pytest.mark.seldom
 def test_three_pulses_are_those_of_another_solver():
     """kdv3 at b = 0, by scipy's collocation: from the unstable eigenspace of rest to p = r = 0 in the middle pulse."""
     (wave,) = result_of("kdv3")["branches"]

@@ -39,6 +39,7 @@ def trace(c, b):
     return 0.95 - b**2 - 0.25 * (c + 0.95 * b - b**3 / 3) / (1 + 0.25 * b)
 
 
+@pytest.mark.seldom
 def test_the_curve_of_tori_is_found_though_no_hopf_point_is_in_the_box(langford):
     (curve,) = [locus for locus in langford.loci if locus.locus == "NS"]
     np.testing.assert_allclose(trace(curve.columns["c"], curve.columns["b"]), 0.0, atol=1e-8)

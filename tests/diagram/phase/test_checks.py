@@ -94,6 +94,7 @@ def test_a_box_without_the_curves_at_which_orbits_end_is_found_out():
 
 
 @pytest.mark.parametrize("places", [0, 4])
+@pytest.mark.seldom
 def test_lines_through_what_is_found_wrong_lead_to_the_curve_that_was_missed(places, monkeypatch):
     """Rest loses its stability at d = 0, a < 0, which a search in the first parameter alone does not see."""
     monkeypatch.setattr(search, "AGAIN", places)

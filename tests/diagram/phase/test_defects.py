@@ -52,6 +52,7 @@ def test_an_error_on_the_hopf_curve_leaves_the_folds_and_the_regions_between_the
     assert found.region_at({"p": 0.4, "q": 0.0}).total == 0
 
 
+@pytest.mark.seldom
 def test_an_error_at_one_start_leaves_the_others(monkeypatch):
     whole, brought = diagram(), SEARCH.brought
 
@@ -65,6 +66,7 @@ def test_an_error_at_one_start_leaves_the_others(monkeypatch):
     assert any(note.startswith(place) for note in found.notes)
 
 
+@pytest.mark.seldom
 def test_an_error_in_the_trajectories_of_a_point_leaves_its_equilibria(monkeypatch):
     whole = diagram()
     monkeypatch.setattr(SURVEY, "reached", lambda *_: singular_values())

@@ -64,6 +64,7 @@ def test_stability_in_the_bogdanov_takens_form_is_that_of_the_jacobian(takens, s
     assert (region.total, region.stable) == (len(roots), stable)
 
 
+@pytest.mark.seldom
 def test_images_under_a_symmetry_are_counted_and_their_curves_drawn_once():
     flip = model({"x": "p*x + q*x^3 - x^5"}, {"x": 0.0}, {"p": -0.5, "q": 0.5}, symmetries={"flip": {"x": "-x"}})
     diagram = contin.phase(flip, ("p", "q"), {"p": (-1.0, 1.0), "q": (-1.0, 1.0)})
@@ -106,6 +107,7 @@ WHOLE = pytest.param({"mu": (0.05, 8), "beta": (0.05, 1)}, {"TZ", "DP", "BT", "C
 
 
 @pytest.mark.parametrize(("box", "points"), [({"mu": (2, 8), "beta": (0.4, 1)}, set()), WHOLE])
+@pytest.mark.seldom
 def test_the_diagram_of_the_averaged_pair(box, points):
     """Points of codimension two lie at small mu, in the whole box."""
     slow = contin.average(contin.load("metronomes/pair"), form="stokes")
@@ -126,6 +128,7 @@ def test_the_diagram_of_the_averaged_pair(box, points):
 
 
 @pytest.mark.parametrize("form", [pytest.param("stokes", marks=pytest.mark.long), "polar"])  # stokes: above
+@pytest.mark.seldom
 def test_the_pair_has_the_same_states_in_every_form(form):
     """Rest is one state, stable everywhere; amplitudes are no states of their own with their signs turned."""
     slow = contin.average(contin.load("metronomes/pair"), form=form)
@@ -138,6 +141,7 @@ def test_the_pair_has_the_same_states_in_every_form(form):
     assert diagram.check.disagreed == ()
 
 
+@pytest.mark.seldom
 def test_curves_that_end_at_a_point_and_come_back_cut_the_plane_there():
     """Two coupled pitchforks: branch points of the states that a symmetry exchanges lie on m = 3 k and m = -k.
 
@@ -153,6 +157,7 @@ def test_curves_that_end_at_a_point_and_come_back_cut_the_plane_there():
     assert regions == [(stable, total, round(area, 5)) for stable, total, area in parts]
 
 
+@pytest.mark.seldom
 def test_a_branch_with_a_row_on_a_line_in_the_other_parameter_is_followed_along_it():
     """x'' = a x - x^3 - d x' + 0.3 x^2 x': rest loses its stability at d = 0, where a < 0, and only there.
 

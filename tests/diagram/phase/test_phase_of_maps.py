@@ -18,6 +18,7 @@ def henon():
     return contin.phase(contin.load("henon"), ("a", "b"), BOX)
 
 
+@pytest.mark.seldom
 def test_cycles_of_the_henon_map_have_their_regions_and_areas(henon):
     stable = {}
     for region in henon.regions:

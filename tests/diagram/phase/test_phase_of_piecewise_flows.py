@@ -15,6 +15,7 @@ def bent():
     return contin.phase(BENT, ("b1", "b2"), BOX)
 
 
+@pytest.mark.seldom
 def test_its_folds_are_followed_by_shooting_across_the_touching_orbit(bent):
     (folds,) = [b for b in bent.loci if b.locus == "LPC"]
     assert isinstance(folds.problem, ShotLocusProblem)
@@ -34,6 +35,7 @@ def test_its_regions_have_the_orbits_that_the_return_map_has(bent, seed):
     assert region.stable == int(b1 < 0.0)
 
 
+@pytest.mark.seldom
 def test_orbits_beyond_sliding_ones_are_found_by_simulation_and_what_is_missing_is_said():
     """The family from the Hopf point ends where orbits slide; for b1 > 0 trajectories settle on an orbit beyond."""
     diagram = contin.phase(JUMPING, ("b1", "b2"), BOX)

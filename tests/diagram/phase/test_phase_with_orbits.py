@@ -16,6 +16,7 @@ def bautin():
     return contin.phase(form, ("p", "q"), {"p": (-0.5, 0.5), "q": (-1.0, 1.0)})
 
 
+@pytest.mark.seldom
 def test_the_bautin_form_has_its_three_regions_and_their_areas(bautin):
     assert sorted(b.locus for b in bautin.loci) == ["HB", "LPC"]
     kinds = {(r.stable, r.stable_orbits, r.orbits): r for r in bautin.regions}
@@ -41,6 +42,7 @@ def test_without_orbits_only_the_equilibria_divide_the_box():
     assert sorted(r.words for r in diagram.regions) == ["1 equilibrium, stable", "1 equilibrium, unstable"]
 
 
+@pytest.mark.seldom
 def test_the_cycle_of_the_bogdanov_takens_form_lives_between_hopf_and_homoclinic_curve():
     """x' = y, y' = p + q x + x^2 - x y: Hopf points p = 0, q < 0; homoclinic orbits p = -6/25 q^2 + O(q^3)."""
     form = model({"x": "y", "y": "p + q*x + x^2 - x*y"}, {"x": -1.0, "y": 0.0}, {"p": -0.5, "q": -0.5})
@@ -61,6 +63,7 @@ def test_the_cycle_of_the_bogdanov_takens_form_lives_between_hopf_and_homoclinic
     assert orbit.period > 2 * np.pi
 
 
+@pytest.mark.seldom
 def test_a_short_curve_of_homoclinic_orbits_leads_from_its_bogdanov_takens_point_to_the_folds():
     """The forced oscillator, averaged (Holmes and Rand 1978), with r = x^2 + y^2: folds g^2 = r ((1 - r)^2 + s^2),
     (1 - r)(1 - 3 r) + s^2 = 0, and Hopf points r = 1/2, s^2 > 1/4 meet at s = g = 1/2. The homoclinic orbits from there
@@ -150,6 +153,7 @@ def test_regions_beside_a_symmetric_bogdanov_takens_point():
 
 
 @pytest.mark.parametrize("declared", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_a_hopf_curve_that_turns_back_onto_itself_at_a_symmetric_point_bounds_regions(declared):
     """x' = y, y' = m x + n y - x^3 - x^2 y: Hopf points of (+-sqrt m, 0) on m = n > 0, followed from one to the other.
 
@@ -168,6 +172,7 @@ def test_a_hopf_curve_that_turns_back_onto_itself_at_a_symmetric_point_bounds_re
         assert (region.stable, region.stable_orbits) == (stable, cycles)
 
 
+@pytest.mark.seldom
 def test_a_curve_of_planar_orbits_in_space_is_known_again():
     """z' = m - z^2 - x^2 - y^2 - z^3/5, w' = (z - r + 2i) w: cycles |w|^2 = m - r^2 - r^3/5 on z = r, torus at r = 0.
 
@@ -179,6 +184,7 @@ def test_a_curve_of_planar_orbits_in_space_is_known_again():
     assert [b.locus for b in diagram.loci].count("NS") == 1
 
 
+@pytest.mark.seldom
 def test_trajectories_start_where_the_equations_have_values():
     """u' = a/(1 + v^n) - u and v' likewise have no values for negative states; P/N has none at N = 0."""
     toggle = model({"u": "a/(1 + v^n) - u", "v": "a/(1 + u^n) - v"}, {"u": 3.0, "v": 0.1}, {"a": 4.0, "n": 2.0})

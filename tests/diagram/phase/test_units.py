@@ -33,6 +33,7 @@ def census(p, q):
 
 
 @pytest.mark.parametrize(("u", "v"), [pytest.param(SMALL, LARGE, marks=pytest.mark.long), (LARGE, SMALL)])
+@pytest.mark.seldom
 def test_two_switches_have_their_states_in_every_region(u, v):
     diagram = contin.phase(switches(u, v), ("p", "q"), {"p": (-0.6, 0.6), "q": (-0.5, 0.6)})
     assert sum(r.area for r in diagram.regions) == pytest.approx(1.0, abs=1e-6)
@@ -43,6 +44,7 @@ def test_two_switches_have_their_states_in_every_region(u, v):
         assert (region.stable, region.total, region.orbits, region.aperiodic) == (*census(p, q), 0, 0)
 
 
+@pytest.mark.seldom
 def test_orbits_that_differ_in_a_small_state_only_are_two():
     """A switch of order 1e-3 beside an oscillator of order 1e3: two stable orbits where the switch is bistable."""
     model = contin.Model(

@@ -49,6 +49,7 @@ def constant(condition, parameters):
     return bvp("u", {"u": "0"}, [condition], parameters, starts={"far": {"u": 1.5}})
 
 
+@pytest.mark.seldom
 def test_cusps_and_their_curve_in_three_parameters():
     """u^4 + c u^2 + b u + a: cusps at a = -3 u^4, b = 8 u^3, c = -6 u^2."""
     names = ("a", "b", "c")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import contin
 from contin.model.model import Model
@@ -77,6 +78,7 @@ def test_branch_points_of_cycles_in_three_parameters():
     assert found.locus == "BPC"
 
 
+@pytest.mark.seldom
 def test_extrema_of_the_period():
     """r' = r (m - w), theta' = 1 + (m - k)^2 + (k - 1)^2: the period is longest at m = k, then at k = 1."""
     model = circles("m - w", "1 + (m - k)^2 + (k - 1)^2", {"m": 0.5, "k": 0.8})

@@ -172,6 +172,7 @@ def test_period_doublings_of_a_map_under_a_condition():
     assert np.allclose(c, b * x, atol=1e-9)
 
 
+@pytest.mark.seldom
 def test_successive_extrema():
     """x falls with a distance squared: largest at a = b/2, then b = c, then c = 1."""
     equations = {"x": "-x + 3 - (a - 0.5*b)^2 - 2*(b - c)^2 - (c - 1)^2 + 0.02*x^2"}

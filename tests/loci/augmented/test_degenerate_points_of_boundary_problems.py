@@ -120,6 +120,7 @@ def test_generic_branch_points_whose_reduced_equation_is_degenerate(condition, r
     assert [found["DBP1"].values[name] for name in names] == pytest.approx([0, 0, 0], abs=1e-8)
 
 
+@pytest.mark.seldom
 def test_degenerate_pitchforks_in_three_parameters(beam):
     """Those of the second mode: lam = 4 pi^2, b = 5 a^2/(18 pi^2)."""
     box, settings = {"lam": (5, 60), "b": (-0.5, 2)}, {"intervals": 6, "stop_at": ["DP"]}
@@ -132,6 +133,7 @@ def test_degenerate_pitchforks_in_three_parameters(beam):
     assert {end.reason for end in found.ends} == {"bound"}
 
 
+@pytest.mark.seldom
 def test_degenerate_transcritical_points_in_three_parameters():
     """u (p - c^2 + (q - c) u + u^2): at p = c^2, q = c."""
     model = constant("u(start)*(p - c^2 + (q - c)*u(end) + u(start)^2) = 0", {"p": 0.5, "q": 1.5, "c": 1.0})

@@ -24,6 +24,7 @@ def followed(model, start, label, names, kind, condition, ranges=None):
     return contin.continuation(curve[kind].locus(names), names, box, **more)
 
 
+@pytest.mark.seldom
 def test_bogdanov_takens_points():
     """y' = a + b y + (x - c)^2 - d + (x - c) y (1 + d): x = c, b = 0, a = d with d = .3 x + .2 + .1 c; 1 + d = 0."""
     equations = {"x": "y", "y": "a + b*y + (x - c)^2 - d + (x - c)*y*(1 + d)"}

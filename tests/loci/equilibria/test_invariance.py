@@ -94,6 +94,7 @@ def _by_place(branch):
     return sorted(branch.points, key=lambda p: (p.type, round(p.values["p"], 8), round(p.values["q"], 8)))
 
 
+@pytest.mark.seldom
 def test_a_user_function_gives_the_curves_of_the_same_model():
     def residual(u, p):
         return np.array([u[1], p["p"] + p["q"] * u[0] + u[0] ** 2 - u[0] * u[1]])

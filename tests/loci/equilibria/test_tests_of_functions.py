@@ -10,6 +10,7 @@ from contin.normalforms.maps import cubic_on_circle, neimark_sacker, period_doub
 from tests.normalforms.formulas import taylor_jet
 
 
+@pytest.mark.seldom
 def test_the_sign_of_the_first_lyapunov_coefficient_takes_no_derivatives_for_its_error():
     """The Bautin form beside a third state: GH at p = q = 0, where l1 = 2 q and l2 = -1 in sign."""
     asked = [0]

@@ -135,6 +135,7 @@ def test_resonances_of_a_torus_bifurcation_lie_at_rational_turns(method):
     assert tori["R31"].values["cos.theta"] == pytest.approx(cos(2 * pi / 3), abs=1e-9)
 
 
+@pytest.mark.seldom
 def test_torus_bifurcation_is_degenerate_beside_and_at_a_strong_resonance():
     """v' = (p + i q + (q - r) |v|^2 - |v|^4) v: Re d = q - r; R4 at q = 1/4, in one step with CH at q = r."""
     for r in (0.252, 0.25):
@@ -198,6 +199,7 @@ def through(point, type_: str, box: dict[str, tuple[float, float]]):
     return branch
 
 
+@pytest.mark.seldom
 def test_folds_meet_further_critical_multipliers():
     """x' = p - x^2 beside a state with the multiplier exp(2 pi q), a turning plane, or a pair."""
     pair = amplitude("c", "d", "q + 0.2*x - (c^2 + d^2)", "0.3")
@@ -230,6 +232,7 @@ def folds_of(equations: dict[str, str]):
 
 
 @METHODS
+@pytest.mark.seldom
 def test_two_curves_of_folds_meet_in_a_cusp(method):
     """x' = p + q x - x^3: folds 27 p^2 = 4 q^3."""
     orbit = orbit_on_circle({"x": "p + q*x - x^3"}, {"p": 0.6, "q": 0.8}, 1.16, method)

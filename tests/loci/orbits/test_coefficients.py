@@ -97,6 +97,7 @@ def test_degenerate_period_doubling(change):
     assert "case" not in form
 
 
+@pytest.mark.seldom
 def test_a_linear_change_of_the_states_changes_the_eigenfunctions_length_alone():
     """|M v|^2 has another mean m over the cycle: c of xi^3 is as 1/m, e and l2 as 1/m^2."""
     matrix = leaning(4)
@@ -236,6 +237,7 @@ def test_one_to_two_resonance_on_either_curve_through_it():
         assert form["case"] == "C1 < 0, D1 < 0"
 
 
+@pytest.mark.seldom
 def test_a_section_across_the_cycle_and_a_forcing_period_give_the_same():
     """Predator and prey in seasons (Kuznetsov, Muratori and Rinaldi, Bull. Math. Biol. 54 (1992) 15).
 

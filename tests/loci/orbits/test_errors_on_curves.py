@@ -53,6 +53,7 @@ def test_extrema_and_user_values_hold_the_error_of_the_mesh(intervals):
 
 
 @pytest.mark.parametrize("intervals", [6, None])
+@pytest.mark.seldom
 def test_orbits_of_one_period(intervals):
     """T = 4.5 = 2 pi/(1 + R/2 + (q - 3/10)^2) and p = R^2 - R."""
     settings = {"intervals": intervals} if intervals else {"method": "shooting"}

@@ -116,6 +116,7 @@ def test_flip_torus(turn):
     assert form["angle"] == pytest.approx(0.3 * pi, abs=1e-8)
 
 
+@pytest.mark.seldom
 def test_a_linear_change_of_the_states_changes_lengths_alone():
     """theta, delta and the case stay; p11, p21 are as the mean square of one eigenfunction, p12, p22 of the other."""
     r = "(e^2 + f^2)"
@@ -176,6 +177,7 @@ def test_a_sign_that_the_mesh_does_not_tell_is_not_stated():
     assert form.get("s", 0) == 0
 
 
+@pytest.mark.seldom
 def test_under_a_condition_it_is_the_same_point():
     """s' = (2 q/3 + r + ..) s with r = q/2: the growth is 7 q/6, and vanishes at the same cycle."""
     turning = {"a": "cos(t)", "b": "sin(t)"}

@@ -58,6 +58,7 @@ def test_small_beats_of_the_averaged_pair_are_glued_where_long_orbits_tend_to(be
     assert found == pytest.approx([4.469914868654], abs=2e-8)
 
 
+@pytest.mark.seldom
 def test_homoclinic_orbits_of_the_lorenz_equations_pass_the_classical_point():
     lorenz = contin.load("classics/lorenz")
     start = contin.equilibrium(lorenz, {"x": 6, "y": 6, "z": 20}, {"rho": 22, "s": 9.5})

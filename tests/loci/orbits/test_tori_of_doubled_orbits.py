@@ -33,6 +33,7 @@ def _curve(c: float):
     return contin.continuation(doubled["NS1"].locus(), ("b1", "b2"), bounds)
 
 
+@pytest.mark.seldom
 def test_a_curve_of_tori_ends_where_the_halves_of_its_orbits_come_together():
     curve = _curve(1.0)
     labels = sorted((p.type, p.values["b1"]) for p in curve.points)
@@ -43,6 +44,7 @@ def test_a_curve_of_tori_ends_where_the_halves_of_its_orbits_come_together():
     assert curve.columns["b1"].min() < 2e-3
 
 
+@pytest.mark.seldom
 def test_a_curve_whose_orbits_shrink_to_a_point_ends():
     """X0 = 0: no step leads beyond, in whatever metric (it was asked for without end)."""
     curve = _curve(0.0)

@@ -40,6 +40,7 @@ def test_folds_born_inside_leave_the_smooth_law_where_their_orbits_touch_the_lin
     assert folds.steps <= 60  # measured 37
 
 
+@pytest.mark.seldom
 def test_where_the_law_beyond_the_line_pushes_outwards_the_folds_have_the_cusp_of_the_return_map():
     """The map's second derivative jumps to +infinity at the touching orbit and is zero where b2(r) is smallest."""
     strength = -1.5
@@ -53,6 +54,7 @@ def test_where_the_law_beyond_the_line_pushes_outwards_the_folds_have_the_cusp_o
     assert folds.columns["x.max"][turn] == pytest.approx(0.5, abs=1e-4)
 
 
+@pytest.mark.seldom
 def test_folds_that_cross_the_line_come_back_to_the_smooth_law():
     orbit = api.periodic_orbit(BENT, {"x": 1.2, "y": 0.0}, {"b1": 0.1, "b2": 1.4})
     folds = api.continuation(api.continuation(orbit, "b1", (-0.6, 0.3))["LPC1"].locus(PAIR), PAIR, BOX)

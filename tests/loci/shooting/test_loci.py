@@ -19,6 +19,7 @@ def curve(point, names, first, second, **options):
     return api.continuation(point.locus(), names, dict(zip(names, (first, second), strict=True)), **options)
 
 
+@pytest.mark.seldom
 def test_folds_of_the_bautin_form_end_at_its_generalised_hopf_point():
     """r' = b1 r + b2 r^3 - r^5: orbits fold on b1 = -b2^2/4, b2 > 0."""
     folds = curve(bautin_family()["LPC1"], ("b1", "b2"), (-1, 1), (-0.5, 2))
@@ -54,6 +55,7 @@ def test_the_equations_jacobian_is_their_derivative():
 
 
 @pytest.mark.parametrize("segments", [pytest.param(None, marks=pytest.mark.long), 3])
+@pytest.mark.seldom
 def test_period_doublings_of_the_roessler_system_pass_through_published_points(segments):
     """Points of AUTO-07p (NTST 50, EPSL 1e-10), b = 2; by one segment and by several."""
     line = api.continuation(api.equilibrium(contin.load("classics/roessler"), None, {"a": 0.2}), "a", (0.0, 0.5))
@@ -64,6 +66,7 @@ def test_period_doublings_of_the_roessler_system_pass_through_published_points(s
     assert found == pytest.approx({5: 0.2634689961, 6: 0.2202132777, 7: 0.1903102199}, abs=2e-10)
 
 
+@pytest.mark.seldom
 def test_folds_of_an_orbit_with_two_formulas_lie_where_its_return_map_says():
     """(r^2)' = al - r^2 for y > 0, be r^4 for y < 0, each for a time pi: r^2 -> A + E r^2 -> its Moebius image.
 
@@ -81,6 +84,7 @@ def test_folds_of_an_orbit_with_two_formulas_lie_where_its_return_map_says():
     assert folds.columns["al"].max() > 2.9
 
 
+@pytest.mark.seldom
 def test_two_relays_in_phase_branch_along_a_known_curve():
     """They cross the surface together, in either order; the half-turn of their difference has the eigenvalue 1."""
     branching = curve(relays_in_phase("c", 1.3, 1.55, c=1.4)["BPC1"], ("c", "d"), (0.2, 6), (0.05, 0.5))
@@ -115,6 +119,7 @@ def test_period_doublings_of_the_forced_bilinear_oscillator_are_those_of_exact_p
         assert doubling == pytest.approx(0.0, abs=1e-7)
 
 
+@pytest.mark.seldom
 def test_in_phase_metronomes_branch_along_a_curve_through_known_points():
     mu = IN_PHASE[0.8, 0.01]
     orbit = api.periodic_orbit(contin.load("metronomes/pair"), "in-phase", {"beta": 0.8, "eps": 0.01, "mu": mu + 0.5})

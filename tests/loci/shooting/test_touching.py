@@ -33,6 +33,7 @@ def fold_of(model, start, first, parameters):
     return next(p for p in family.points if p.normal_form.get("kind") == "nonsmooth")
 
 
+@pytest.mark.seldom
 def test_metronomes_that_reach_the_ends_of_their_escapement_on_both_sides():
     """Amplitude x2, by symmetry at both turning points; against folds of families in alpha at other values of eps."""
     model = contin.load("metronomes/one-constant")
@@ -49,6 +50,7 @@ def test_metronomes_that_reach_the_ends_of_their_escapement_on_both_sides():
     assert touching.columns["alpha"][np.argmin(touching.columns["eps"])] == pytest.approx(4 / 9 / np.pi, abs=1e-4)
 
 
+@pytest.mark.seldom
 def test_a_surface_may_be_touched_and_crossed_in_one_period():
     """The push acts between the roots 1 and 1.5 of x^2 - s x + m: one surface, crossed at 1, touched at 1.5."""
     model = Model(

@@ -77,6 +77,7 @@ def test_both_ways_give_the_same_coefficients(kind, m):
 
 
 @pytest.mark.parametrize(("m", "mass"), [(596, False), (1996, True)])
+@pytest.mark.seldom
 def test_a_double_hopf_point_of_many_states_has_its_closed_form(m, mass):
     found = double(m, mass=mass)
     p11, p12, p21, p22 = -1.3 + G / 2, -0.6 + G, 0.4 + G / 4, -0.7 + G / 2  # for amplitudes in other units
@@ -128,6 +129,7 @@ def test_whether_a_parameter_unfolds_a_zero_eigenvalue_does_not_depend_on_how_fi
         assert is_forced(problem, z, linear, pair, WIDTHS) == forced
 
 
+@pytest.mark.seldom
 def test_beside_a_resonance_errors_tell_how_far_the_matrix_is_known():
     """z1' = i z1 + ..., z2' = (-d + 2 i) z2: c1 has a pole 1/d, and digits go as those of 2 i in units of d."""
     n = 6

@@ -59,6 +59,7 @@ def test_a_bautin_point_of_many_states_has_the_numbers_of_few():
     np.testing.assert_allclose(large.coefficients["c2"], dense.coefficients["c2"], atol=1e-9)
 
 
+@pytest.mark.seldom
 def test_both_ways_give_the_same_point(monkeypatch):
     start = contin.continuation(bautin(8, 0.0), "p", (-0.1, 0.1), settings={"max_step": 0.5})["HB1"]
     found = []

@@ -66,6 +66,7 @@ def fold_curve(n, sparse):
     return contin.continuation(line["LP1"].locus(), ["lam", "e"], span, settings={"stop_at": ("CP",), **WIDE})
 
 
+@pytest.mark.seldom
 def test_the_cusp_of_the_combustion_problem_is_that_of_the_dense_method():
     large, dense = fold_curve(19, True), fold_curve(19, False)
     assert [p.type for p in large.points] == [p.type for p in dense.points] == ["CP"]
@@ -74,11 +75,13 @@ def test_the_cusp_of_the_combustion_problem_is_that_of_the_dense_method():
     assert large["CP1"].normal_form["c"] == pytest.approx(dense["CP1"].normal_form["c"], rel=1e-5)
 
 
+@pytest.mark.seldom
 def test_the_cusp_of_the_discretised_problem_converges_with_second_order():
     places = [fold_curve(n, True)["CP1"].values["e"] for n in (19, 39, 79)]
     assert (places[1] - places[0]) / (places[2] - places[1]) == pytest.approx(4.0, rel=0.02)
 
 
+@pytest.mark.seldom
 def test_hopf_points_of_the_brusselator_lie_on_their_curve():
     """One half-wave: B = 1 + A^2 + (Dx + Dy) k, k = 4 (m+1)^2 sin^2(pi/(2 (m+1)))/l^2."""
     m = 12
@@ -121,6 +124,7 @@ def as_large(plane):
     ],
     ids=["BT", "HH", "ZH"],
 )
+@pytest.mark.seldom
 def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):
     small, large = plane.line(6), as_large(plane)
     assert [p.type for p in large.points] == [p.type for p in small.points]
@@ -132,6 +136,7 @@ def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):
             np.testing.assert_allclose(one[1:], other[1:], atol=1e-9)
 
 
+@pytest.mark.seldom
 def test_from_bt_to_the_other_curve():
     line = as_large(BOGDANOV_TAKENS)
     folds = follow(line["LP1"], box=NEAR, settings={"stop_at": ("BT",), **WIDE})

@@ -47,6 +47,7 @@ def test_conditions_on_numbers_of_an_orbit_hold(circle, condition, mu):
     assert [end.reason for end in branch.ends] == ["bound", "bound"]
 
 
+@pytest.mark.seldom
 def test_two_conditions_take_two_parameters(circle):
     free, conditions = ["mu", "b"], ["norm = 1.2", "x.max*mu = b + 2.3"]
     branch = contin.continuation(circle, "om", (1, 3), conditions=conditions, free=free)
@@ -85,6 +86,7 @@ def test_a_fold_of_the_conditioned_curve_is_one_in_words(circle):
     assert any("fold of the curve" in note for note in branch.notes)
 
 
+@pytest.mark.seldom
 def test_the_backbone_of_a_conservative_oscillator_is_its_elliptic_integral():
     model = contin.Model(
         name="duffing", states={"x": 0, "v": 0}, parameters={"a": 1, "d": -0.5, "k": 1},

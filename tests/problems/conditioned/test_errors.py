@@ -1,5 +1,6 @@
 """Errors of user values on curves of orbits under conditions: beside limit cycles by Dormand and Prince's method."""
 
+import pytest
 from scipy.integrate import solve_ivp
 
 from tests.cli.calls import call, results, run_file
@@ -34,6 +35,7 @@ def height(mu: float, b: float) -> float:
     return float(tops[-1])
 
 
+@pytest.mark.seldom
 def test_user_values_state_how_far_a_finer_mesh_moves_the_parameters(tmp_path):
     """Of two parameters one is asked for, and exact; the other's error was stated as 0."""
     path = run_file(tmp_path, SYSTEM, *RUNS, outputs={"json": "out.json"})

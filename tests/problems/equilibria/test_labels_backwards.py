@@ -79,6 +79,7 @@ def defect(field, n, type_):
     return equations
 
 
+@pytest.mark.seldom
 def test_error_estimates_bound_the_true_errors_and_are_not_a_thousand_times_them():
     """Every fold and Hopf point of random cubic systems, against Newton in 50 digits with the same coefficients."""
     ratios = []

@@ -62,6 +62,7 @@ def doubling(z: float, r: float, guess: tuple[float, float, float]) -> mpmath.mp
     ("z", "r", "bounds"),
     [(0.1, 0.8, (2.4, 2.9)), (0.05, 0.7, (2.4, 2.9)), (0.2, 0.9, (2.4, 2.9)), (0.3, 0.8, (2.4, 2.9))],
 )
+@pytest.mark.seldom
 def test_the_error_of_a_doubling_covers_that_of_the_trajectories(z, r, bounds):
     """They are computed to 1e-12: places were 1e-13 off where 1e-14 was stated."""
     point = family(z, r, bounds)["PD1"]
@@ -78,6 +79,7 @@ def test_the_error_of_a_doubling_covers_that_of_the_trajectories(z, r, bounds):
         ("v.max", 0.6, 1.8, lambda x, v, push: (v, push - 0.2 * v - x)),
     ],
 )
+@pytest.mark.seldom
 def test_the_error_of_a_user_value_covers_that_of_the_trajectories(column, value, when, is_extremum):
     """w at which the extremum between impacts has the value, z = .1, r = .8: 5e-13 off where 1e-15 was stated."""
     z, r = 0.1, 0.8

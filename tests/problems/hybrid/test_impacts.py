@@ -30,6 +30,7 @@ def family() -> contin.Branch:
     return contin.continuation(orbit, "F", (0.5, 2.0), values={"F": [0.8, 1.2, 1.7]})
 
 
+@pytest.mark.seldom
 def test_every_row_has_the_period_of_the_force(family):
     """The row before the grazing orbit too, where errors of the states grow by the rate of landing, which vanishes."""
     assert abs(family.columns["period"] / PERIOD - 1.0).max() < 2e-9

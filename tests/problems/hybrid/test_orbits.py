@@ -56,6 +56,7 @@ def test_integrate_and_fire_has_its_period_and_the_trivial_multiplier():
     assert [end.reason for end in branch.ends] == ["bound", "bound"]
 
 
+@pytest.mark.seldom
 def test_a_bouncing_ball_on_a_table_turns_and_doubles_where_it_must(bouncing):
     """du_+ = Dg X du is a product of two shears and impacts: determinant r^2, trace -1 + 1 at the doubling."""
     assert [p.label for p in bouncing.points] == ["LPC1", "PD1"]
@@ -131,6 +132,7 @@ def test_a_logistic_map_of_jumps_doubles_at_three():
     np.testing.assert_allclose(np.sort(point.eigenvalues.real), [-1.0, 1.0], atol=1e-9)
 
 
+@pytest.mark.seldom
 def test_a_cubic_map_of_jumps_has_its_pitchfork_and_its_fold():
     """x -> a x - x^3: x = 0 loses stability at a = 1; x = a x + x^3 - x^5 folds at a = 3/4."""
     model = jumping_map(x="a*x + x^3 - x^5")
@@ -191,6 +193,7 @@ def izhikevich(c, d):
     )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_spiking_begins_at_the_homoclinic_orbit_of_the_flow():
     """Izhikevich (2003), regular spiking: periods are those of simulations; the family ends at I = 3.774375, where the
     saddle v = -57.625 has a homoclinic orbit, whatever the reset."""

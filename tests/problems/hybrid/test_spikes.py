@@ -5,12 +5,14 @@ from __future__ import annotations
 from importlib import import_module
 
 import numpy as np
+import pytest
 
 import contin
 from contin.problems.hybrid.flow import HybridFlow
 from contin.problems.hybrid.landing import first_landing
 
 
+@pytest.mark.seldom
 def test_spikes_whose_intervals_grow_thirtyfold_have_their_period_their_height_and_their_multiplier():
     """v' = I + exp(v) from -10 to 20 takes (10 + log(I + exp(-10)))/I, less what is left at 20, where v' is 5e8.
 
@@ -47,6 +49,7 @@ def test_a_quadratic_neuron_stops_at_its_fold():
     np.testing.assert_allclose(branch.columns["period"], 2.0 * np.arctan(10.0 / root) / root, rtol=1e-11)
 
 
+@pytest.mark.seldom
 def test_spikes_locked_to_a_clock_form_a_closed_family():
     """I = 1/(1 - e^-T) - c(s) for a spike at s, c = 0.3 (cos 6 s + 6 sin 6 s)/37: once round the clock."""
     model = contin.load(

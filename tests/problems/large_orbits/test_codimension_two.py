@@ -56,6 +56,7 @@ def agrees(point, **planted):
 
 
 @pytest.mark.parametrize("a", [-0.72, pytest.param(-0.6, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_a_cusp_and_a_fold_flip_point_on_a_curve_of_folds(a):
     problem = function(folding, 2 if a < -0.7 else 4, {"mu": -0.5, "a": a})
     folds = family(problem, (-0.1, 0.3), stop_at=("LPC",), intervals=INTERVALS)
@@ -85,6 +86,7 @@ def planted():
     return doubled_and_torus(stop_at=("PD",))
 
 
+@pytest.mark.seldom
 def test_a_generalised_period_doubling():
     """c = M/(2 r) - k vanishes at r = 1/2; r = sqrt(mu + M w^2) has -M^2/(8 r^3) w^4."""
     doubling = doubled_and_torus(4, stop_at=("PD",))["PD1"]

@@ -13,6 +13,7 @@ LONG = pytest.mark.long  # as below: one is counted, the other told
     ("frequency", "intervals"),
     [pytest.param(3.3, 40, marks=LONG), (7.3, 20), (7.3, 40), pytest.param(20.3, 40, marks=LONG)],
 )
+@pytest.mark.seldom
 def test_an_unstable_fast_mode_is_counted_or_told(frequency, intervals):
     """r' = r (mu - r^2) with angle t, and beside it an oscillation that grows by exp(0.02 t)."""
 

@@ -46,6 +46,7 @@ def test_extremes_of_a_wave_have_the_fourth_order():
     assert off(40) < off(10) / 4**3.3
 
 
+@pytest.mark.seldom
 def test_bifurcations_of_cycles_are_where_they_were_planted(supercritical):
     found = supercritical
     assert isinstance(found.problem, LargeOrbitProblem)
@@ -77,6 +78,7 @@ def test_bifurcations_of_cycles_are_where_they_were_planted(supercritical):
     np.testing.assert_allclose(doubled.columns["w1.max"] ** 2, np.sqrt(doubled.columns["mu"]) - 0.5, atol=MESH)
 
 
+@pytest.mark.seldom
 def test_fold_of_cycles_behind_a_subcritical_hopf_point(subcritical):
     found = subcritical
     folds = [p for p in found.points if p.type == "LPC"]
@@ -149,6 +151,7 @@ def test_folds_of_uniform_oscillations_of_a_subcritical_equation_lie_on_their_cu
     assert np.ptp(c) == pytest.approx(0.2)
 
 
+@pytest.mark.seldom
 def test_the_period_converges_with_the_fifth_power():
     errors = []
     line = contin.continuation(landau(6, "fourier"), "mu", (-0.2, 0.3), settings={"stop_at": ("HB",)})

@@ -48,6 +48,7 @@ MASS = np.array([[2.0, 0.3, 0.0], [0.1, 1.0, 0.2], [0.0, 0.4, 3.0]])
     ],
     ids=["complex steps", "differences", "mass", "shooting"],
 )
+@pytest.mark.seldom
 def test_b_of_a_fold_of_cycles_whose_period_changes(residual, options, settings):
     """r moves by -w xi / (2 shear r) where the phase falls behind by xi: b = w / shear, w = 1 + shear/2."""
     settings = {"stop_at": ("LPC",), "max_step": 0.25, **settings}
@@ -88,6 +89,7 @@ def doubling_and_torus(z, p):
     ])  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_c_of_a_period_doubling_and_d_of_a_torus_bifurcation():
     """c = -K + M/(2 r), r = 1/2; V = sqrt(2) xi: d = -2 (K + i TURNS) + 2 GAIN M."""
     found = family(function(doubling_and_torus, 6, {"mu": -0.5}), (-0.1, 0.35))
@@ -139,6 +141,7 @@ def parting(z, p):
 
 
 @pytest.mark.parametrize("e", [1.0, pytest.param(1e-3, marks=pytest.mark.long), 0.0])
+@pytest.mark.seldom
 def test_kind_and_slope_of_a_branch_point_of_cycles(e):
     """The families part by s (d/(2 r), 1), mu - 0.4 = e s."""
     slope = e / np.sqrt(1.0 + PARTING["d"] ** 2 / (4.0 * 0.4))

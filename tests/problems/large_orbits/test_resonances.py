@@ -99,6 +99,7 @@ def test_tori_through_a_1_to_1_resonance_become_neutral():
     assert any("two real multipliers with product 1" in note for note in curve.notes)
 
 
+@pytest.mark.seldom
 def test_a_curve_of_folds_along_which_the_second_parameter_turns():
     """r' = r (mu - a^2 + a/5 + R - R^2), R = r^2: folds at mu = -1/4 + a^2 - a/5."""
 
@@ -119,6 +120,7 @@ def test_a_curve_of_folds_along_which_the_second_parameter_turns():
 
 
 @pytest.mark.parametrize("most", [3, pytest.param(500, marks=pytest.mark.long)], ids=["place", "coefficients"])
+@pytest.mark.seldom
 def test_tori_through_a_1_to_2_resonance_become_neutral(monkeypatch, most):
     monkeypatch.setattr("contin.problems.large_orbits.codimension_two.MOST", most)
     span = {"mu": (0.04, 0.06), "h": (0.21, 0.235)}

@@ -28,6 +28,7 @@ def waves(plate):
     )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_an_orbit_and_its_multipliers_are_those_of_an_explicit_method(plate, waves):
     model, z = plate.model(), waves.z[-1]
     n, p, period = 2 * plate.nx * plate.ny, {"r": float(z[-1])}, float(z[-2])
@@ -55,6 +56,7 @@ def test_two_sets_of_factors_a_row_and_a_few_times_round_the_orbit_a_correction(
     assert waves.effort["applications"] / INTERVALS <= 80 * rows
 
 
+@pytest.mark.seldom
 def test_a_march_answers_as_if_nothing_had_been_asked_between(waves):
     """Factors and Krylov spaces go from chunk to chunk: what is asked elsewhere changes no digit."""
     problem, z = waves.problem, waves.z[8]

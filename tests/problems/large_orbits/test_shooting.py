@@ -28,6 +28,7 @@ def shot():
     return family(planted(-1.0, 0.0, exact=True), (-0.1, 0.45), intervals=None, method="shooting", max_step=0.2)
 
 
+@pytest.mark.seldom
 def test_bifurcations_of_cycles_are_where_they_were_planted(shot):
     assert isinstance(shot.problem.layout, FromStarts)
     assert {p.label for p in shot.points} == set(EXACT)
@@ -39,6 +40,7 @@ def test_bifurcations_of_cycles_are_where_they_were_planted(shot):
     assert shot.z.shape[1] == 7 + 2  # one state, the period, the parameter
 
 
+@pytest.mark.seldom
 def test_families_that_are_born_on_one_by_shooting(shot):
     crossing = contin.continuation(shot["BPC1"].switch(), "mu", (0.2, 0.6), settings={"steps": 2})
     largest = np.maximum(np.abs(crossing.columns["s.max"]), np.abs(crossing.columns["s.min"]))
@@ -52,6 +54,7 @@ def test_families_that_are_born_on_one_by_shooting(shot):
         contin.continuation(shot["PD1"].switch(), "mu", (0.2, 0.6), settings={"method": "collocation"})
 
 
+@pytest.mark.seldom
 def test_curves_in_two_parameters(shot):
     curve = contin.continuation(
         shot["PD1"].locus(), ("mu", "a"), {"mu": (0.1, 0.6), "a": (-0.2, 0.2)}, settings={"steps": 2}
@@ -73,6 +76,7 @@ def test_a_fold_of_cycles_and_its_curve_from_three_segments():
     np.testing.assert_allclose(curve.columns["mu"], -((1 + curve.columns["a"]) ** 2) / 4, atol=ERROR)
 
 
+@pytest.mark.seldom
 def test_a_family_is_born_whatever_the_phases_of_its_states():
     """The real part of the eigenvector is not normal to the imaginary one: states follow a circular orbit, w' = 2 y - w
     three times and b' = 50 (1.3 y - b) six times, an eighth of a period apart."""
@@ -173,6 +177,7 @@ def uniform(mu, points):
     return np.sqrt(mu) * np.repeat(waves, points, axis=1), times, period
 
 
+@pytest.mark.seldom
 def test_orbits_of_more_than_a_thousand_states_start_from_samples():
     model = landau(502, "differences")
     samples, times, period = uniform(0.3, 502)
@@ -192,6 +197,7 @@ def test_samples_lead_to_an_orbit_by_shooting_or_to_words():
         large_orbit_from_samples(system, times, 0.01 * samples, np.array([-0.3, 0.5, -0.8]))
 
 
+@pytest.mark.seldom
 def test_modulated_waves_of_the_kuramoto_sivashinsky_equation_return_moved_along_the_circle():
     """Born on travelling waves, in their frame; seen from rest the flow over a period is a rotation: amplitudes of all
     Fourier modes return, and phases turn by k times one angle (second method: LSODA)."""

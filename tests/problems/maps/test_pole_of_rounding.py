@@ -10,6 +10,7 @@ from contin.problems.equilibria.normal_forms import with_normal_form
 BOGDANOV = {"x": "x + y + k*x*(x - 1) + mu*x*y", "y": "y + k*x*(x - 1) + mu*x*y"}
 
 
+@pytest.mark.seldom
 def test_a_doubling_on_a_line_of_fixed_points_has_no_sense():
     """Bogdanov's map at k = 0, e = 0: y = 0 is a line of fixed points, 1 - A is singular all along (c was 7.8e13)."""
     model = contin.load({

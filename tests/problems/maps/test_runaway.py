@@ -1,11 +1,13 @@
 """Cycles of maps that go to infinity end early (AUTO-07p's demo dd2, a predator-prey map)."""
 
 import numpy as np
+import pytest
 
 import contin
 from contin.model.model import Model
 
 
+@pytest.mark.seldom
 def test_a_cycle_that_grows_without_bound_ends_where_its_multipliers_have_no_digits_left():
     model = Model(
         "dd2", kind="map", states={"x": 0.5, "y": 0.1}, parameters={"a": 2.5},

@@ -30,6 +30,7 @@ def test_a_symmetric_two_cycle_splits_into_two_that_are_images_of_each_other():
     assert len([b for b in diagram.branches if b.parent and b.parent.branch == "start/PD1"]) == 2
 
 
+@pytest.mark.seldom
 def test_an_area_preserving_map_doubles_where_its_multiplier_is_minus_1_twice():
     """The standard map at q = pi has trace 2 - K and determinant 1: at K = 4 both multipliers are -1."""
     model = contin.Model(
@@ -48,6 +49,7 @@ def test_an_area_preserving_map_doubles_where_its_multiplier_is_minus_1_twice():
     assert abs(q1[-1] - q[-1]) > 0.1
 
 
+@pytest.mark.seldom
 def test_coupled_logistic_maps_cascade_in_step_and_out_of_step():
     """x' = (1 - e) f(x) + e f(y) and the same for y, f = r x (1 - x). On x = y the multipliers of a cycle are the
     logistic map's mu and (1 - 2 e)^period mu: doublings where either is -1, the second one out of step."""

@@ -10,6 +10,7 @@ import contin
 from contin.model.model import Model
 
 
+@pytest.mark.seldom
 def test_a_slow_direction_that_takes_no_part_does_not_hide_the_limit():
     """The cubic leaf x^2 (1 - x) = y^2 is a loop of the origin at m = 0 (Sandstede 1997), eigenvalues a +- b.
 
@@ -30,6 +31,7 @@ def test_a_slow_direction_that_takes_no_part_does_not_hide_the_limit():
     assert end.data["passes"] == 1
 
 
+@pytest.mark.seldom
 def test_orbits_between_two_saddles_are_heteroclinic_cycles():
     """x'' = -x + x^3 + e (m - x^2) x' has a cycle over x = -1 and 1 at m = 1/5 + O(e^2), by Melnikov's method."""
     model = Model(
@@ -82,6 +84,7 @@ def fine(birth):
     ],
     ids=str,
 )
+@pytest.mark.seldom
 def test_an_approach_is_told_whatever_the_steps(birth, fine, settings):
     """And every orbit near it has the distance mu* - mu = A(T) exp(-k T) of one of its period among short steps.
 
@@ -109,6 +112,7 @@ def test_an_approach_is_told_whatever_the_steps(birth, fine, settings):
     np.testing.assert_allclose(np.polyval(law, period), logarithm, atol=0.01)
 
 
+@pytest.mark.seldom
 def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
     """One metronome leaves the common state and comes back, then another one does: two loops of one saddle.
 

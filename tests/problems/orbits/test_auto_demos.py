@@ -25,6 +25,7 @@ def pendula() -> Model:
     )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_a_curve_of_period_doublings_ends_at_the_homoclinic_orbits_that_it_follows():
     """At the end the rotation in phase is the homoclinic one of the pendulum phi'' + eps phi' + sin phi = I, with the
     saddle sin phi = I, cos phi < 0."""
@@ -48,6 +49,7 @@ def test_a_curve_of_period_doublings_ends_at_the_homoclinic_orbits_that_it_follo
     assert limit.data["at"]["I"] == pytest.approx(at["I"], abs=1e-6)
 
 
+@pytest.mark.seldom
 def test_doubled_orbits_that_slip_onto_those_of_half_the_period_end_as_joined():
     """cir (Freire, Rodriguez-Luis, Gamero and Ponce 1993), beside a Shilnikov homoclinic orbit."""
     model = Model(
@@ -72,6 +74,7 @@ def test_doubled_orbits_that_slip_onto_those_of_half_the_period_end_as_joined():
 @pytest.mark.parametrize(
     "steps", [(0.1,), pytest.param((0.03, 0.1), marks=pytest.mark.long)], ids=["coarse", "coarse and fine"]
 )
+@pytest.mark.seldom
 def test_a_curve_of_folds_beside_homoclinic_orbits_does_not_depend_on_the_step(steps):
     model = Model(
         "mlfast", states={"v": 0.03, "w": 0.25}, parameters={"y": 0.3, "z": 0.1},

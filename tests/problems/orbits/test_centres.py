@@ -8,6 +8,7 @@ from contin.errors import NoSolutionError
 from contin.model.model import Model
 
 
+@pytest.mark.seldom
 def test_centre_of_the_van_der_pol_equation_is_crossed_by_its_limit_cycle_of_amplitude_two():
     """x'' - mu (1 - x^2) x' + x = 0 at mu = 0: circles of every radius; those with r = 2 persist (averaging)."""
     model = Model(

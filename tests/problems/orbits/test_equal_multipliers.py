@@ -81,6 +81,7 @@ def test_four_pairs_on_a_torus_are_one_label_at_the_place_of_the_closed_form():
 
 
 @pytest.mark.parametrize("label", ["NS", "BPC"])
+@pytest.mark.seldom
 def test_equal_multipliers_of_a_large_system_are_one_label_at_the_place_of_the_closed_form(label):
     """NS of the subcritical family; without |A|^4 A and with m = 1.2 two real ones pass 1 where 2 R^2 (e m - 1) =
     q (1 + e^2), r = R^2."""

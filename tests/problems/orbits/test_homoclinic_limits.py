@@ -49,6 +49,7 @@ LONG = pytest.mark.long
 
 
 @pytest.mark.parametrize("intervals", [20, 60, pytest.param(30, marks=LONG), pytest.param(200, marks=LONG)])
+@pytest.mark.seldom
 def test_the_curve_of_homoclinic_orbits_starts_where_their_parameter_is_zero(intervals):
     """p = 0 for every a, and the saddle is neutral at a = 0. What is left of p at the start is no size of it."""
     start = family(-1.0, 2.0, {"intervals": intervals})["HOM1"]

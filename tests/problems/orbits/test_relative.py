@@ -26,6 +26,7 @@ def invariant_beats():
     return contin.continuation(orbit, "mu", (2.5, 5.0))
 
 
+@pytest.mark.seldom
 def test_folds_and_ends_are_those_of_the_invariants(beats, invariant_beats):
     """Not those of the frame: one that only keeps up with the state on average adds folds of its own (at 3.3305)."""
     ours, theirs = (np.sort([p.values["mu"] for p in b.points if p.type == "LPC"]) for b in (beats, invariant_beats))

@@ -29,6 +29,7 @@ def test_formula_gives_the_multiplier_of_the_stuart_landau_cycle():
         assert family.eigenvalues[row][1].real == pytest.approx(exact, rel=1e-3)  # a chord
 
 
+@pytest.mark.seldom
 def test_both_canard_explosions_of_the_fitzhugh_nagumo_equations_fold_once():
     """(v, w, I) -> (-v, 2 a / b - w, 2 a / b - I) maps the equations to themselves, so the folds lie mirrored.
 
@@ -61,6 +62,7 @@ def test_both_canard_explosions_of_the_fitzhugh_nagumo_equations_fold_once():
         *(pytest.param(eps, follows, marks=pytest.mark.long) for eps in (0.02, 0.016) for follows in ("-u", "v - u")),
     ],
 )
+@pytest.mark.seldom
 def test_a_slaved_state_takes_no_fold_from_a_canard_explosion(eps, slaved):
     """The monodromy matrix is block triangular, with couplings of 1e20 and more beside multipliers of order 1."""
     nerve = {"v": "v - v^3/3 - w + I", "w": "eps*(v + 0.7 - 0.8*w)", "u": slaved}

@@ -43,6 +43,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("core", "n", "way"), CASES)
+@pytest.mark.seldom
 def test_a_bound_of_how_far_errors_of_the_equations_move_a_special_orbit(core, n, way):
     family = Hidden(core, n, way, 3).family()
     (point,) = (point for point in family.points if point.type == core.type)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from contin.normalforms import cycles
 from tests.loci.orbits.test_codim_two import CIRCLE, SQUARE, twisted
@@ -22,6 +23,7 @@ def test_a_normal_form_that_cannot_be_computed_is_a_note(monkeypatch):
     assert any("PD: its normal form could not be computed" in note for note in family.notes)
 
 
+@pytest.mark.seldom
 def test_a_vanishing_coefficient_has_no_sign():
     """s' = p s - s^5: c = 0 at the period doubling."""
     core = next(core for core in SIMPLE if core.type == "PD")

@@ -1,6 +1,7 @@
 """Families of piecewise-linear orbits whose period diverges at an equilibrium on a corner of the equations."""
 
 import numpy as np
+import pytest
 
 import contin
 from contin.model.model import Model
@@ -15,6 +16,7 @@ MCKEAN = Model(
 )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_orbits_of_mckeans_neuron_begin_and_end_where_its_equilibrium_meets_a_corner():
     """The middle piece has an unstable node: orbits are born large where the equilibrium passes v = a/2, (1 + a)/2."""
     start = contin.periodic_orbit(MCKEAN, {"v": 0.0, "w": 0.0})

@@ -2,6 +2,7 @@
 
 import mpmath
 import numpy as np
+import pytest
 from scipy.linalg import expm
 
 import contin
@@ -35,6 +36,7 @@ def orbit(period: float) -> tuple[float, ...]:
         return tuple(float(v) for v in found)
 
 
+@pytest.mark.seldom
 def test_a_fold_holds_to_its_error_where_its_equations_are_nearly_singular():
     period = PERIOD - 0.02
     y, z, inside, al = orbit(period)

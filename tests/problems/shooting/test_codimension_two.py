@@ -27,6 +27,7 @@ ALSO_JUMPING = pytest.param(JUMPING, id="jumping", marks=pytest.mark.long)
 
 
 @pytest.mark.parametrize("change", [pytest.param({}, id="smooth"), ALSO_JUMPING])
+@pytest.mark.seldom
 def test_flip_torus(change):
     r = "(e^2 + f^2)"
     x, y = amplitude("e", "f", f"p + 0.5*{SQUARE} - 0.7*{r}", "0.15")
@@ -41,6 +42,7 @@ def test_flip_torus(change):
     assert form["case"] == "difficult case III"
 
 
+@pytest.mark.seldom
 def test_two_tori():
     one, two = "(c^2 + d^2)", "(e^2 + f^2)"
     v = amplitude("c", "d", f"p - 0.3*{one} - 0.2*{two}", "0.3")
@@ -56,6 +58,7 @@ def test_two_tori():
     "factor",
     [pytest.param("1", id="plain", marks=pytest.mark.long), pytest.param("(1 + a/2 + 0.3*x)", id="period")],
 )
+@pytest.mark.seldom
 def test_fold_torus(factor):
     x, y = amplitude("c", "d", "q + 0.2*x + 0.4*x^2 - (c^2 + d^2)", "0.3")
     form = fold_form({"x": "p - x^2 - 0.8*(c^2 + d^2)", "c": x, "d": y}, "LPNS", factor, **SHOT)
@@ -65,6 +68,7 @@ def test_fold_torus(factor):
     assert form["case"] == "s = 1, theta < 0, torus unstable"
 
 
+@pytest.mark.seldom
 def test_fold_flip():
     flips = twisted(f"q - 0.25*x + 0.4*x^2 - 0.7*{SQUARE}", "-1")
     form = fold_form({"x": f"p - x^2 + 0.8*{SQUARE}", **flips}, "LPPD", **SHOT)
@@ -75,6 +79,7 @@ def test_fold_flip():
 
 
 @pytest.mark.parametrize("change", [pytest.param({}, id="smooth"), ALSO_JUMPING])
+@pytest.mark.seldom
 def test_strong_resonances_of_pairs(change):
     """As those by collocation: a = Re C / (6 pi B^2) of R3, A0 = C / |D| of R4."""
     form = point(resonant(0.5, 2), "NS", "R3", {**PAIR, "q": (0.3, 0.36)}, **SHOT, **change).normal_form
@@ -85,6 +90,7 @@ def test_strong_resonances_of_pairs(change):
     assert form["case"] == "|A0| < 1"
 
 
+@pytest.mark.seldom
 def test_one_to_two_resonance():
     box = {"p": (-0.15, 0.15), "q": (-0.15, 0.12)}
     equations = twisted("0", f"q - 0.8*{SQUARE}", along_by_z="1", across_by_s=f"p - 0.5*{SQUARE}")
@@ -94,6 +100,7 @@ def test_one_to_two_resonance():
     assert form["case"] == "C1 < 0, D1 < 0"
 
 
+@pytest.mark.seldom
 def test_one_to_one_resonance():
     form = fold_form({"x": "y", "y": "p - x^2 + q*y + x*y"}, "R1", **SHOT)
     assert_within(form, "a", -(T**2), LEAST)
@@ -110,6 +117,7 @@ def test_cusp():
     assert_within(folds["CPC1"].normal_form, "c", -0.3, LEAST)
 
 
+@pytest.mark.seldom
 def test_degenerate_period_doubling():
     """s' = p s + q s^3 - 0.7 s^5 in the turning plane: derivatives of fifth order."""
     box = {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}
@@ -121,6 +129,7 @@ def test_degenerate_period_doubling():
 @pytest.mark.parametrize(
     "change", [pytest.param({}, id="smooth", marks=pytest.mark.long), pytest.param(JUMPING, id="jumping")]
 )
+@pytest.mark.seldom
 def test_degenerate_torus(change):
     """v' = (p + q R - 0.7 R^2 + i (0.3 + R/10)) v with R = |v|^2 = 2 |xi|^2, over 2 pi, as a rate."""
     x, y = amplitude("c", "d", "p + q*(c^2 + d^2) - 0.7*(c^2 + d^2)^2", "(0.3 + 0.1*(c^2 + d^2))")

@@ -16,6 +16,7 @@ def doublings(phase: float) -> list[contin.SpecialPoint]:
     return list(contin.continuation(contin.periodic_orbit(model), "w", (1.5, 5.0)).points)
 
 
+@pytest.mark.seldom
 def test_coefficients_do_not_depend_on_where_the_period_begins():
     """The last one is by closed forms of the pieces in 40 digits: c' = 1217.29384063 of the map, mean square
     0.871477082336 of the eigenfunction, where the orbit is a sixth as large as where its family began."""

@@ -25,6 +25,7 @@ def test_a_cycle_of_two_foci_shrinks_to_the_equilibrium_where_they_meet():
     assert branch.steps < 100
 
 
+@pytest.mark.seldom
 def test_a_family_between_two_corners_has_two_ends_and_is_no_closed_loop():
     """A saturated oscillator: its equilibrium x = mu is an unstable focus for |mu| < 1 and a stable one beyond."""
     model = contin.Model(

@@ -103,6 +103,7 @@ def test_torus_whose_phase_runs_faster_off_the_orbit():
 
 
 @pytest.mark.parametrize("core", SIMPLE, ids=lambda core: core.name)
+@pytest.mark.seldom
 def test_coefficients_by_shooting_hold_to_their_errors(core):
     """In coordinates that are rotated and bent, and in other units."""
     hidden = Hidden(core, 4, "bent", 3, rate=1.3, length=0.7)

@@ -14,6 +14,7 @@ CIRCUIT = Model(  # Freire, Rodriguez-Luis, Gamero and Ponce (1993): one multipl
 )  # fmt: skip
 
 
+@pytest.mark.seldom
 def test_doubled_orbits_by_shooting_end_where_they_come_back_to_those_of_half_the_period():
     """Between two period doublings of one family; past the second, the same orbits come again, half a turn later."""
     line = contin.continuation(contin.equilibrium(CIRCUIT), "nu", (-1, 0))

@@ -134,6 +134,7 @@ def fold_of(name: str, eps: float) -> float:
 
 
 @pytest.mark.parametrize("name", list(FOLDS))
+@pytest.mark.seldom
 def test_one_metronome_folds_at_its_averaged_value_up_to_first_order(name):
     errors = [fold_of(name, eps) - FOLDS[name] for eps in (0.02, 0.01)]
     assert abs(errors[0]) < 0.02
@@ -141,6 +142,7 @@ def test_one_metronome_folds_at_its_averaged_value_up_to_first_order(name):
 
 
 @pytest.mark.parametrize("eps", [0.04, pytest.param(0.01, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_a_fold_at_a_corner_is_found_whatever_the_step(eps):
     # the escapement of constant force ends at x2: the family turns where its orbit just reaches that far
     found = []

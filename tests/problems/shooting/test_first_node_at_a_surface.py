@@ -46,6 +46,7 @@ def period(e: float) -> float:
     return total
 
 
+@pytest.mark.seldom
 def test_a_flip_flop_is_followed_to_where_it_vanishes():
     """Mixing where S - T > e. At e = 0 the cycle has shrunk to the point (1, 1).
 

@@ -56,6 +56,7 @@ def antisymmetric(c, sign):
     return trace - sign * (1.0 + determinant)
 
 
+@pytest.mark.seldom
 def test_two_coupled_relays_branch_in_two_close_pairs_where_their_difference_says():
     roots = []
     for sign in (1.0, -1.0):
@@ -103,6 +104,7 @@ def test_a_family_that_closes_on_a_corner_ends_there():
     assert exact == pytest.approx(1.0 / pi, abs=0.1 * eps)  # the averaged value, with an error of the order eps
 
 
+@pytest.mark.seldom
 def test_a_biased_relay_stops_where_the_equilibrium_of_one_side_arrives_at_its_surface():
     """(s + 1)(s + 2)(s + 3) x = 6 (b - sign x): the equilibrium x = b - 1 of x > 0 is on x = 0 at b = 1.
 
@@ -120,6 +122,7 @@ def test_a_biased_relay_stops_where_the_equilibrium_of_one_side_arrives_at_its_s
     assert np.all(np.diff(branch.columns["period"]) > 0.0)
 
 
+@pytest.mark.seldom
 def test_cycles_that_come_to_an_equilibrium_on_a_corner_name_its_parameter_to_rounding():
     """v' = f(v) - w + I, w' = (v - w/2)/5, f of three pieces: the equilibrium is at v = 1/2 for I = 3/2, at 1 for 2."""
     model = contin.Model(

@@ -50,6 +50,7 @@ LONG = pytest.mark.long
         *(pytest.param(n, wind, marks=LONG) for n, wind in ((100, 0.0), (100, 5.0), (300, 0.3))),
     ],
 )  # fmt: skip
+@pytest.mark.seldom
 def test_diffusion_with_a_wind(n, wind):
     first, second = differences(n, np.pi)
     branch, wrong = wrong_counts(second + wind * first, 90.5, (80.0, 110.0), 12)

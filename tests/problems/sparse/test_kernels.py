@@ -31,6 +31,7 @@ def uncoupled(sparse: bool, stable: int, turned: int | None = None):
 
 
 @pytest.mark.parametrize(("stable", "turned"), [pytest.param(5, None, marks=pytest.mark.long), (40, None), (20, 3)])
+@pytest.mark.seldom
 def test_every_multiplicity_is_seen_at_its_place(stable, turned):
     line = api.continuation(uncoupled(True, stable, turned), "lam", (0.0, 1.7))
     assert [point.type for point in line.points] == ["BP"] * len(MULTIPLICITIES)
@@ -39,6 +40,7 @@ def test_every_multiplicity_is_seen_at_its_place(stable, turned):
         assert abs(point.values["lam"] - 0.3 * k) <= max(1e-12, 3 * point.error)
 
 
+@pytest.mark.seldom
 def test_branches_and_normal_form_of_a_double_point_are_those_of_the_dense_problem():
     points = [api.continuation(uncoupled(sparse, 5), "lam", (0.0, 0.7))["BP2"] for sparse in (False, True)]
     seeds = [point.switch() for point in points]
@@ -55,6 +57,7 @@ def test_branches_and_normal_form_of_a_double_point_are_those_of_the_dense_probl
     assert len(ends[0]) == len(ends[1])
 
 
+@pytest.mark.seldom
 def test_the_double_and_simple_modes_of_a_square_are_told_apart():
     """Mittelmann's problem with no flux through the sides: laplace u = 10 (u - lam exp u).
 
@@ -108,6 +111,7 @@ def skewed(seed, kernel, sparse):
 @pytest.mark.parametrize(
     ("seed", "kernel"), [(0, 2), (1, 3), *(pytest.param(s, 2 + s % 3, marks=pytest.mark.long) for s in range(2, 6))]
 )
+@pytest.mark.seldom
 def test_the_reduced_equation_is_that_of_the_dense_problem_but_for_a_rotation_of_the_kernel(seed, kernel):
     """Q is orthonormal in the user's units, <P, Q> = 1: what orthogonal changes of x leave alone must agree.
 

@@ -157,10 +157,12 @@ INDEX_2 = pytest.param(incompressible, id="index 2")
 
 @pytest.mark.parametrize(("plane", "expected"), PLANES)
 @pytest.mark.parametrize("changed", [pytest.param(with_algebraic, id="index 1", marks=LONG), INDEX_2])
+@pytest.mark.seldom
 def test_singular_mass_matrices_have_the_points_of_the_reduced_flow(plane, expected, changed):
     assert expected in same_in_the_plane(plane, changed)
 
 
+@pytest.mark.seldom
 def test_an_incompressible_flow_of_many_unknowns_has_the_labels_of_the_reduced_one():
     plain = brusselator(30)
     lines = [contin.continuation(f, "B", (5.0, 5.3)) for f in (incompressible(plain, 10), plain)]
@@ -258,6 +260,7 @@ def test_folds_and_eigenvalues_of_linear_elements_converge_with_second_order(ele
 
 
 @pytest.mark.parametrize("changed", [pytest.param(with_algebraic, id="index 1", marks=LONG), INDEX_2])
+@pytest.mark.seldom
 def test_orbits_with_a_singular_mass_matrix_are_those_of_the_reduced_flow(changed):
     """Stuart and Landau: r^2 = mu, period 2 pi / (1 + b mu), one multiplier exp(-2 mu T)."""
 
@@ -361,6 +364,7 @@ def test_an_unstable_pair_behind_many_slow_states_is_found_and_what_is_not_known
 
 
 @pytest.mark.parametrize("changed", [INDEX_1, pytest.param(incompressible, id="index 2", marks=LONG)])
+@pytest.mark.seldom
 def test_a_generalised_hopf_point_has_the_second_coefficient_of_the_reduced_flow(changed):
     """z' = (mu + i) z + z (b |z|^2 - |z|^4), with |q| = 1 over x and y: l1 = 2 b, l2 = -4."""
 

@@ -30,6 +30,7 @@ def followed(n, always_factored, monkeypatch):
     return contin.continuation(plate(n), "lam", (0, 10), settings={"steps": 16})
 
 
+@pytest.mark.seldom
 def test_old_factors_give_the_numbers_of_new_ones_with_few_solves(monkeypatch):
     old, new = (followed(60, limit, monkeypatch) for limit in (100, 100_000))
     a, b = old["LP1"], new["LP1"]
@@ -141,6 +142,7 @@ def test_a_preconditioner_that_is_exact_where_it_was_made_is_known_by_later_poin
     assert branch.effort["applications"] <= 420  # measured 351; 1,676 where eigenvalues are looked for anew each time
 
 
+@pytest.mark.seldom
 def test_a_double_branch_point_of_a_symmetric_system_is_none_of_hopf(monkeypatch):
     """Mittelmann's problem on a square: constant u = lam exp(u) branches where 10 (u - 1) is an eigenvalue of -lap.
 

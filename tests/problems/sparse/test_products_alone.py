@@ -47,6 +47,7 @@ def test_a_pair_is_seen_wherever_it_crosses(n, frequency):
     assert any("a Jacobian that is only applied" in note for note in line.notes) == (n > 500)
 
 
+@pytest.mark.seldom
 def test_a_pair_beyond_what_is_computed_from_zero_is_seen():
     n, frequency = 700, 30.0
     applied = pair_among_decays(n, frequency)

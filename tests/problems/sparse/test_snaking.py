@@ -20,6 +20,7 @@ def even_derivative():
     return sp.csc_matrix(found)
 
 
+@pytest.mark.seldom
 def test_folds_of_snaking_states_are_the_published_ones_and_change_one_eigenvalue_each():
     """u_t = r u - (1 + dxx)^2 u + 1.8 u^2 - u^3: folds tend to r = -0.3390 and -0.2593 as the state grows longer
     (Burke and Knobloch, Phys. Rev. E 73 (2006) 056211)."""

@@ -22,6 +22,7 @@ def factored(request, monkeypatch):
 
 
 @pytest.mark.parametrize("seed", range(4))
+@pytest.mark.seldom
 def test_unstable_states_are_counted_from_the_first_point_on(seed, factored):
     """Matrices of no symmetry in their pattern, with fast unstable pairs beside slow stable states."""
     generator = np.random.default_rng(seed)
@@ -199,6 +200,7 @@ def chafee_infante(n, dense=False, quadratic=0.0):
     return contin.FunctionProblem(residual, np.zeros(n), {"p": 1.0}, jacobian, symmetries=symmetries), exact
 
 
+@pytest.mark.seldom
 def test_pitchforks_and_switched_branches(factored):
     problem, exact = chafee_infante(300)
     line = api.continuation(problem, "p", (1.0, 60.0), direction="up")
@@ -217,6 +219,7 @@ def test_pitchforks_and_switched_branches(factored):
     assert len(diagram) == 5  # rest, two branches and their mirror images
 
 
+@pytest.mark.seldom
 def test_branch_point_coefficients_are_those_of_the_dense_method():
     first = {"stop_at": ("BP",)}
     for quadratic in (0.0, 0.5):

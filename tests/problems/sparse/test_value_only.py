@@ -24,6 +24,7 @@ def brusselator(cells: int) -> tuple[contin.FunctionProblem, list[int]]:
 
 
 @pytest.mark.parametrize("cells", [12, pytest.param(50, marks=pytest.mark.long), 240])
+@pytest.mark.seldom
 def test_hopf_points_are_where_the_differences_have_them(cells):
     problem, calls = brusselator(cells)
     line = contin.continuation(problem, "L", (0.3, 1.2))

@@ -29,6 +29,7 @@ def cells(way):
 
 
 @pytest.mark.parametrize("way", ["dense", "sparse", "earlier factors"])
+@pytest.mark.seldom
 def test_every_branch_from_rest_is_found_at_its_place(way, monkeypatch):
     if way == "earlier factors":
         monkeypatch.setattr("contin.problems.sparse.jacobian.ALWAYS_FACTORED", 0)

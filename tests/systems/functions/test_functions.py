@@ -80,6 +80,7 @@ def test_function_gives_the_labels_of_the_compiled_model_to_1e_9(way, compiled_t
     assert [e.reason for e in ours.ends] == [e.reason for e in compiled_tank.ends]
 
 
+@pytest.mark.seldom
 def test_branch_points_and_switched_branches_agree_on_the_metronome_pair():
     model = contin.load("metronomes/pair-averaged")
     at = {"mu": 8.0, "beta": 0.8}

@@ -35,6 +35,7 @@ def test_the_slope_of_a_rounded_function_at_its_extremum_is_not_that_between_two
 
 
 @pytest.mark.parametrize("shift", [0.3e-8, pytest.param(0.0, marks=pytest.mark.long)])
+@pytest.mark.seldom
 def test_folds_of_a_rounded_function_are_where_their_errors_say(shift):
     def residual(u, p):  # folds at x = -+1, p = +-2/3
         return rounded([p["p"] + u[0] - u[0] ** 3 / 3 + shift, u[0] ** 2 - u[1]], 1e-8)
@@ -62,6 +63,7 @@ def test_a_hopf_point_of_a_rounded_function_has_the_error_of_its_slopes():
 
 
 @pytest.mark.parametrize("step", [1e-8, 1e-12])
+@pytest.mark.seldom
 def test_sparse_functions_whose_values_are_rounded_have_labels_within_their_errors(step):
     turned = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0] @ np.diag([1.0, 1.7, 2.3, 3.0])
     back = np.linalg.inv(turned)

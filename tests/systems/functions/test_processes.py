@@ -122,6 +122,7 @@ def on_two(work, failing_from=np.inf):
         assert not thread.is_alive()
 
 
+@pytest.mark.seldom
 def test_two_processes_find_what_one_does():
     alone = follow(
         contin.FunctionProblem(
@@ -139,6 +140,7 @@ def test_two_processes_find_what_one_does():
         contin.equilibrium(first.problem)
 
 
+@pytest.mark.seldom
 def test_trouble_on_another_process_ends_the_branch_in_words():
     line, _, _ = on_two(follow, failing_from=2.0)
     assert "process 1 of 2: LookupError: no such table" in line.ends[1].text

@@ -180,6 +180,7 @@ def test_equilibria_and_waves_of_kuramoto_sivashinsky_at_22(start, velocity, lea
     assert max(np.abs(growing - one).min() for one in leading) < 1.5e-4
 
 
+@pytest.mark.seldom
 def test_waves_that_pulsate_return_turned_and_start_from_samples_of_the_function_itself():
     """Born at a Hopf point of travelling waves. A second integrator, of the function as it is given, brings the first
     state back turned by the mean of the rate; the orbit through its samples has the same period."""
