@@ -145,7 +145,9 @@ def verify(problem: CurveOfConnections, type_: str, near: Sample, frame: Frame) 
     assert index is not None
     zero = zero_of_test(problem, near, frame, index)
     place = near if zero is None else zero.sample
-    slope = None if type_ == FOLD else significance.slope_beside(problem, place, frame, index)
+    slope = significance.slope_beside(problem, place, frame, index)
+    if slope == 0.0 and type_ == FOLD:
+        return unverified(type_, "the parameter hardly moves: its test function is no more than its errors")
     if slope == 0.0:
         return NOTHING  # an invariant plane or a skew product: no coupling, all along the curve
     if zero is None:

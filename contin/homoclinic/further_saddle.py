@@ -22,7 +22,7 @@ from contin.problems.orbits.mesh.layout import Profile
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.homoclinic.saddle_connections import ConnectionProblem
+    from contin.homoclinic.curve_of_connections import CurveOfConnections
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
 NEAR: Final = 0.05  # of its extent: an orbit this close to a saddle moves as the linearised equations say
@@ -30,7 +30,7 @@ CLOSE: Final = 1e-4  # ... where the corrector fails: the equations are regular 
 
 
 def further_saddle(
-    problem: ConnectionProblem, z: Array, before: Array, scale: Array, failed: bool = False
+    problem: CurveOfConnections, z: Array, before: Array, scale: Array, sizes: Array, failed: bool = False
 ) -> End | None:  # fmt: skip
     """The end of a curve at z (its row before), which cannot be told from a chain of connections; None elsewhere.
 
@@ -39,7 +39,7 @@ def further_saddle(
     curve = problem.curve
     if curve.node or curve.aim is not None:
         return None
-    profile, orbits, sizes = curve.orbit_of(z), curve.at(z), problem.sizes(z, scale)
+    profile, orbits = curve.orbit_of(z), curve.at(z)
     for saddle in _met(orbits, profile, sizes):
         beside = _beside(orbits, profile, saddle, sizes)
         comes_closer = beside < _beside(orbits, curve.orbit_of(before), saddle, sizes)
@@ -89,7 +89,7 @@ def _beside(orbits: OrbitEquations, profile: Profile, saddle: Saddle, sizes: Arr
     return least
 
 
-def _end(problem: ConnectionProblem, z: Array, saddle: Saddle, beside: float, scale: Array, sizes: Array) -> End:
+def _end(problem: CurveOfConnections, z: Array, saddle: Saddle, beside: float, scale: Array, sizes: Array) -> End:
     state = dict(zip(problem.system.state_names, rounded(saddle.u, sizes).tolist(), strict=True))
     own = any(float(np.max(np.abs(saddle.u - end) / sizes)) < 1e-6 for end in problem.curve.equilibria(z))
     values = {name: float(problem.parameter_columns(z[None])[name][0]) for name in problem.parameters}

@@ -19,6 +19,7 @@ from contin.errors import InputError, NoSolutionError
 from contin.homoclinic import events
 from contin.homoclinic.connection_layout import Gauge
 from contin.homoclinic.curve_of_connections import CurveOfConnections
+from contin.homoclinic.further_saddle import further_saddle
 from contin.homoclinic.interval import farther, fits, fitted
 from contin.homoclinic.surfaces import surface_met, why_not
 from contin.kernels.collocation_basis import basis
@@ -195,6 +196,9 @@ class ConnectionProblem(CurveOfConnections):
         if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL:
             text = f"the connecting orbits shrink to a point near {self.place(origin.z)}"
             return Renewal(scale, origin, before, None, End("bt", text))
+        met = None if before is None else further_saddle(self, origin.z, before.z, scale, sizes)
+        if met is not None:
+            return Renewal(scale, origin, before, None, met)
         grown = np.maximum(sizes, np.abs(profile.u).max(axis=0))
         error, _ = estimate(profile, grown)
         short = not fits(self.curve, origin.z, sizes)
@@ -211,6 +215,14 @@ class ConnectionProblem(CurveOfConnections):
             sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
             here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
         return Renewal(renewed, here, None if before is None else self._moved(before, scale, renewed, chosen.h), None)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The chain of connections that the curve was near when its corrector failed."""
+        if before is None:
+            return None
+        sizes = self.sizes(origin.z, frame.scale)
+        end = further_saddle(self, origin.z, before.z, frame.scale, sizes, failed=True)
+        return None if end is None else Renewal(frame.scale, origin, before, None, end)
 
     def _on_interval(self, z: Array, origin: Sample, scale: Array, h: Array, settings: Settings) -> Renewal | None:
         """The point on another interval of time: solved anew, with the tangent in the same sense."""
