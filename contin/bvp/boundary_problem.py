@@ -22,6 +22,7 @@ from contin.bvp.functionals import columns_of, functions_at, own_column
 from contin.bvp.kernel_at_branch_point import smallest, undetermined
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.sizes import couplings, filled, largest, moved, noticed, without_remnants
+from contin.bvp.solutions_at_parameter import at_parameter
 from contin.continuation.branch import End
 from contin.continuation.location.sameness import slack
 from contin.continuation.outcome import Outcome, Verified
@@ -113,7 +114,7 @@ class BoundaryProblem(BoundaryEquations):
         return None if found is None else (self, *found)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        return special_points.at_parameter(self, guess, value, scale)
+        return at_parameter(self, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return special_points.explain(a, b)

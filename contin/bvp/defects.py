@@ -16,6 +16,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.bvp.sizes import largest
@@ -58,17 +59,20 @@ def _rule(m: int) -> tuple[Array, Array, Array]:
 
 def defects(
     problem: BoundaryEquations, profile: Profile, h: Array, sizes: Array, beside: Profile | None = None,
-    shift: float = 0.0,
+    shift: float = 0.0, asked: NDArray[np.bool_] | None = None,
 ) -> Array:  # fmt: skip
     """d_i of the intervals h for a solution known on its own mesh, (len(h),); NaN and infinity count as none.
 
     beside : a function q of the same mesh that is to meet the linearised equations q' = F_u q as well, such as a null
     function, relative to its largest values.  shift : part of an interval by which all points of it are moved.
+    asked : the intervals that are looked at, all without it; the result is theirs.
     """
     points, weights, interpolate = _rule(profile.m)
     starts = np.concatenate([[0.0], np.cumsum(h)[:-1]])
+    if asked is not None:
+        starts, h = starts[asked], h[asked]
     inner = np.concatenate([basis(profile.m).gauss, points]) + shift
-    times = np.minimum((starts[:, None] + h[:, None] * inner).ravel(), 1.0)
+    times = np.minimum((starts + h * inner[:, None]).ravel(), 1.0)  # sums over points in intervals run over long rows
     p = np.tile(problem.full_parameters(profile.vector()), (len(times), 1))
     p[:, -1] = times
     n, m = profile.n, profile.m
@@ -79,9 +83,10 @@ def defects(
         top = np.abs(beside.u).max(axis=0)
         right = np.hstack([right, linear])
         accurate = np.append(sizes, np.where(top > NO_PART * top.max(), top, np.inf))
-    right = right.reshape(len(h), len(inner), -1)
-    apart = np.abs(right[:, m:] - np.einsum("qk,ikn->iqn", interpolate, right[:, :m]))
-    found = (h[:, None] * np.einsum("q,iqn->in", weights, apart) / accurate).max(axis=1)
+    right = right.reshape(len(inner), -1)
+    apart = np.abs(right[m:] - np.einsum("qk,kx->qx", interpolate, right[:m]))
+    whole = np.einsum("q,qx->x", weights, apart).reshape(len(h), -1)
+    found = (h[:, None] * whole / accurate).max(axis=1)
     return np.where(np.isfinite(found), found, 0.0)
 
 
@@ -103,12 +108,13 @@ def resolving(
     open_ = np.ones(len(h), dtype=bool)
     for _ in range(LEVELS):
         found = np.zeros(len(h))
-        found[open_] = defects(problem, profile, h, sizes, beside)[open_]
+        found[open_] = defects(problem, profile, h, sizes, beside, asked=open_)
         open_ = found > tolerance
         if not open_.any():
             break
-        halves = defects(problem, profile, np.repeat(0.5 * h, 2), sizes, beside).reshape(-1, 2).max(axis=1)
-        split = open_ & (halves > STUBBORN * found)
+        halves = defects(problem, profile, np.repeat(0.5 * h, 2), sizes, beside, asked=np.repeat(open_, 2))
+        split = open_.copy()
+        split[open_] = halves.reshape(-1, 2).max(axis=1) > STUBBORN * found[open_]
         if not split.any() or len(h) + int(split.sum()) > most:
             break
         parts = np.where(split, 2, 1)

@@ -13,7 +13,7 @@ from contin.bvp.boundary_problem import BoundaryProblem
 from contin.bvp.defects import resolving
 from contin.bvp.kernel_at_branch_point import undetermined
 from contin.bvp.sizes import largest
-from contin.bvp.special_points import at_parameter_from_afar
+from contin.bvp.solutions_at_parameter import at_parameter_from_afar
 from contin.bvp.two_point import TwoPoint, two_point
 from contin.continuation.seed import Seed
 from contin.errors import InputError, NoSolutionError

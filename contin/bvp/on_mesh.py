@@ -19,7 +19,7 @@ from contin.kernels.collocation import LANES, evaluate, new_points, residual
 from contin.kernels.collocation_basis import basis
 from contin.linalg.factor import Factoriser
 from contin.linalg.linear import DirectLinear
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, in_intervals
 from contin.problems.sparse.large_linearisation import LargeLinearisation
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ class Evaluated:
     residual: Array
     slope: Array
     matrix: Callable[[], DirectLinear]
+    magnitude: Callable[[Array], Array]  # of |u|, the terms of F_u u: at least |F_u| |u|
 
     @cached_property
     def linear(self) -> DirectLinear:
@@ -117,10 +118,9 @@ class OnMesh:
         problem, scheme = self.problem, basis(self.problem.points)
         n, m, count = problem.n, problem.points, len(self.h)
         profile, width = self.profile(x), problem.system.n + problem.system.p_size
-        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
 
         def at_points(values: Array) -> Array:
-            return np.asarray(np.einsum("cj,ijk->ick", scheme.values, values.reshape(-1, n)[nodes])).reshape(-1, n)
+            return in_intervals(scheme.values, values.reshape(-1, n)).reshape(-1, n)
 
         p = np.tile(problem.full_parameters(x), (count * m, 1))
         p[:, -1] = profile.gauss_times
@@ -167,7 +167,19 @@ class OnMesh:
         def linear() -> DirectLinear:
             return DirectLinear(self._matrix(fu, dg), self.factoriser, balanced=True)
 
-        return Evaluated(x.copy(), np.append(self._local(w, z), g), slope, linear)
+        def magnitude(u: Array) -> Array:
+            return self._magnitude(fu, dg, u)
+
+        return Evaluated(x.copy(), np.append(self._local(w, z), g), slope, linear, magnitude)
+
+    def _magnitude(self, fu: Array, dg: Array, u: Array) -> Array:
+        """|F_u| u for u >= 0, by rows as F has them, without putting F_u together."""
+        n, scheme = self.problem.n, basis(self.problem.points)
+        u = u.reshape(-1, n)
+        own, inside = (in_intervals(np.abs(of), u) for of in (scheme.slopes, scheme.values))
+        own += self.h[:, None, None] * np.einsum("ickq,icq->ick", np.abs(fu), inside)
+        ends = np.einsum("kq,q->k", np.abs(dg[:, : 2 * n]), np.concatenate([u[0], u[-1]]))
+        return np.append(own.ravel(), ends)
 
     def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -26,7 +25,6 @@ from contin.bvp.several_modes import ALONG, form_of, reduced_to_kernel
 from contin.continuation.outcome import Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample, opposite
 from contin.errors import InputError
-from contin.linalg.newton import longest_part
 from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.sparse.reduced_equation import Reduced, border_rows
@@ -37,15 +35,6 @@ if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
 
 RESIDUAL_LIMIT = 1e-7
-NEWTON = 20  # iterations with a fixed parameter
-SHORTEST = 1e-3  # damping
-LONG = 60  # iterations with whole steps
-FAR = 1e4  # a whole step that leads nowhere
-NEAR = 1e-3  # a whole step after which the damped iteration takes over
-ACCURATE = 1e-13
-STALLED = 1e-8  # a correction that no longer falls, because of rounding
-BLURRED = 1e-4  # a correction that may be rounding of a nearly singular problem
-FALLEN = 0.01  # part of the residual that is left after a Newton step that has worked
 REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix without it is singular
 PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
@@ -332,92 +321,3 @@ def embedded(mesh: OnMesh, x: Array) -> Array:
     out = np.zeros(mesh.n + len(mesh.h) + 2)
     out[: mesh.n], out[-1] = x[:-1], x[-1]
     return out / norm(out)
-
-
-def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
-    """Damped Newton's method with the parameter fixed; None where it fails."""
-    fixed = np.zeros_like(scale)
-    fixed[-1] = 1.0
-    z = guess.copy()
-    z[-1] = value
-    before, damping = np.inf, 1.0
-    for _ in range(NEWTON):
-        here = linearise(problem, z, fixed, scale)
-        if here is None or here.sign == 0.0:
-            return None
-        step = here.solve(np.append(-here.residual, 0.0))
-        size = norm(step)
-        if not np.isfinite(size):
-            return None
-        if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
-            return z if size >= before else _moved(z, scale, step, value)
-        if 0.1 * before < size < BLURRED and met_to_rounding(problem, z):  # (shrinking steps are no noise)
-            return z
-        ahead = partial(_ahead, problem, here, z, scale, step, value)
-        found = longest_part(ahead, size, STALLED, min(1.0, 4.0 * damping), SHORTEST)
-        if found is None:
-            return z if size < BLURRED and met_to_rounding(problem, z) else None
-        damping, (z, left) = found
-        if damping == 1.0 and norm(left) < ACCURATE:
-            return _moved(z, scale, left, value)
-        before = size if damping == 1.0 else np.inf
-    return None
-
-
-def at_parameter_from_afar(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
-    """Newton with the parameter fixed and whole steps, as far as they lead; None: no solution in `LONG` iterations.
-
-    Where damping keeps a guess between two solutions, whole steps leave that place. (Guesses of localised patterns of
-    the Swift-Hohenberg equation: 13 of 16 find a solution, 4 with damping.)
-    """
-    fixed = np.zeros_like(scale)
-    fixed[-1] = 1.0
-    z = guess.copy()
-    z[-1] = value
-    for _ in range(LONG):
-        here = linearise(problem, z, fixed, scale)
-        if here is None or here.sign == 0.0:
-            return None
-        step = here.solve(np.append(-here.residual, 0.0))
-        size = norm(step)
-        if not size < FAR:
-            return None
-        z = _moved(z, scale, step, value)
-        if size < NEAR:
-            return at_parameter(problem, z, value, scale)
-    return None
-
-
-def met_to_rounding(problem: BoundaryEquations, z: Array) -> bool:
-    """Whether the residual at z is rounding of its own terms: corrections are then noise, however nearly singular F_u.
-
-    (A pulse on a long interval moves by exp(-length) for conditions at its ends: its place is known to no more.)
-    """
-    mesh = OnMesh(problem, problem.profile(z).h)
-    x = mesh.unknowns(z)
-    here = mesh.at(x)
-    if here is None:
-        return False
-    terms = here.linear.magnitude(np.abs(x[:-1])) + np.abs(here.slope * x[-1])
-    return bool(np.all(np.abs(here.residual) <= ROUNDING * terms))
-
-
-def _ahead(
-    problem: BoundaryEquations, here: Condensed, z: Array, scale: Array, step: Array, value: float, part: float
-) -> tuple[float, tuple[Array, Array]] | None:
-    """The length of the next step after a part of this one, the place, and that step by the same factors; the length is
-    0 where a step has worked although the next one is no shorter: F_u is nearly singular there."""
-    there = _moved(z, scale, part * step, value)
-    left = residual_at(problem, there)
-    if left is None:
-        return None
-    further = here.solve(np.append(-left, 0.0))
-    again = norm(further)
-    works = again < BLURRED and norm(left) < FALLEN * norm(here.residual)
-    return 0.0 if works else again, (there, further)
-
-
-def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:
-    moved = z + scale * step
-    moved[-1] = value
-    return moved

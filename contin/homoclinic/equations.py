@@ -30,7 +30,7 @@ from contin.linalg.csc import with_columns, with_rows
 from contin.machine import elementary
 from contin.problems.orbits.ends.saddle_node import borders
 from contin.problems.orbits.linearised.pattern import block_places
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, in_intervals
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,18 +90,14 @@ class ConnectionCurve(ConnectionLayout):
 
     def _defect(self, profile: Profile, f: Array, sizes: Array) -> Array:
         """What is left of u' = T f; f : (N m, n) at the Gauss points."""
-        m, count = profile.m, profile.intervals
-        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
-        rates = np.einsum("cj,ijk->ick", basis(m).slopes, profile.u[nodes])
+        rates = in_intervals(basis(profile.m).slopes, profile.u)
         step = (profile.h * profile.period)[:, None, None]
         return np.asarray((rates - step * f.reshape(rates.shape)) / sizes).ravel()
 
     def _gauss_states(self, profile: Profile, z: Array) -> tuple[Array, Array]:
         """States (N m, n) and parameters (N m, k) at the Gauss points."""
-        m, count = profile.m, profile.intervals
-        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
-        states = np.einsum("cj,ijk->ick", basis(m).values, profile.u[nodes]).reshape(-1, self.n)
-        return np.ascontiguousarray(states), np.tile(self.full_parameters(z), (len(states), 1))
+        states = in_intervals(basis(profile.m).values, profile.u).reshape(-1, self.n)
+        return states, np.tile(self.full_parameters(z), (len(states), 1))
 
     def _by_parameters(self, jacobian: Array) -> Array:
         """Of derivatives (..., n, n + k) those by q and p; along a homotopy its parameter is not in f."""

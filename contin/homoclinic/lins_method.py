@@ -25,7 +25,7 @@ from contin.linalg.csc import with_columns, with_rows
 from contin.linalg.newton import Rules, newton, solution
 from contin.problems.orbits.linearised.pattern import block_places
 from contin.problems.orbits.mesh.adaption import choose_mesh
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, in_intervals
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -202,12 +202,11 @@ class Arcs:
     def _collocation(self, arc: Profile) -> tuple[Array, Array, Array, Array]:
         """Defects, their blocks by nodes, and by the time and the parameter, in states relative to their sizes."""
         n, m, scheme, s = self.system.n, arc.m, basis(arc.m), self.sizes
-        nodes = np.arange(arc.intervals)[:, None] * m + np.arange(m + 1)
-        states = np.einsum("cj,ijk->ick", scheme.values, arc.u[nodes]).reshape(-1, n)
-        f, whole = self.system.jacobians(np.ascontiguousarray(states), np.tile(self.p, (len(states), 1)))
+        states = in_intervals(scheme.values, arc.u).reshape(-1, n)
+        f, whole = self.system.jacobians(states, np.tile(self.p, (len(states), 1)))
         f, whole = np.asarray(f).reshape(-1, m, n), np.asarray(whole).reshape(arc.intervals, m, n, -1)
         long = arc.h * arc.period
-        defect = np.einsum("cj,ijk->ick", scheme.slopes, arc.u[nodes]) - long[:, None, None] * f
+        defect = in_intervals(scheme.slopes, arc.u) - long[:, None, None] * f
         blocks = -np.einsum("i,cj,ickq->ickjq", long, scheme.values, whole[..., :n])
         blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
         blocks *= (s / s[:, None])[None, None, :, None, :]

@@ -60,12 +60,12 @@ def basis(m: int) -> Basis:
 
 def interpolation(m: int, at: Array) -> Array:
     """(len(at), m + 1): values at points `at` of [0, 1] from the values at the nodes."""
-    differences = np.asarray(at)[:, None] - basis(m).nodes
-    out = np.tile(normalisation(m), (len(differences), 1))
-    for k in range(m + 1):
-        out[:, :k] *= differences[:, k : k + 1]
-        out[:, k + 1 :] *= differences[:, k : k + 1]
-    return out
+    differences = np.asarray(at) - basis(m).nodes[:, None]  # a row for every node: columns of few are slow to multiply
+    out = np.repeat(normalisation(m)[:, None], differences.shape[1], axis=1)
+    for k, difference in enumerate(differences):
+        out[:k] *= difference
+        out[k + 1 :] *= difference
+    return np.ascontiguousarray(out.T)
 
 
 @lru_cache(maxsize=8)

@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 import contin
-from contin.bvp import special_points
+from contin.bvp import solutions_at_parameter, special_points
+from contin.bvp.defects import resolving
 from contin.bvp.from_guess import boundary_guess
 from contin.bvp.on_mesh import OnMesh
+from contin.continuation.way_back import followed
 from contin.model.model import Model
+from contin.problems.orbits.mesh.layout import Profile, node_times
 
 
 def bratu():
@@ -27,18 +30,18 @@ def branch():
     return contin.continuation(boundary_guess(bratu(), None, None, ()), "p", (0.5, 2.0))
 
 
-def test_a_solution_next_to_a_known_one_takes_two_linearisations(branch, monkeypatch):
+def test_a_solution_next_to_a_known_one_takes_one_linearisation(branch, monkeypatch):
     problem, z = branch.problem, branch.z[branch.start_row]
     z = z[np.isfinite(z)]
     scale = problem.initial_scale(z, (0.5, 2.0))
     seen = []
-    linearise = special_points.linearise
+    linearise = solutions_at_parameter.linearise
 
     def counted(*arguments):
         seen.append(arguments[1])
         return linearise(*arguments)
 
-    monkeypatch.setattr(special_points, "linearise", counted)
+    monkeypatch.setattr(solutions_at_parameter, "linearise", counted)
     s = 0.3
     found = problem.at_parameter(z, 8.0 * (s / np.cosh(s)) ** 2, scale)
     profile = problem.profile(found)
@@ -49,7 +52,76 @@ def test_a_solution_next_to_a_known_one_takes_two_linearisations(branch, monkeyp
     beside = found + 1e-6 * scale * (np.arange(found.size) < profile.u.size)  # not of the mesh
     again = problem.at_parameter(beside, float(found[-1]), scale)
     assert np.abs((again - found) / scale).max() < 1e-12
-    assert len(seen) <= 2
+    assert len(seen) == 1  # there were two
+
+
+def test_solutions_that_are_followed_take_one_linearisation_each(branch, monkeypatch):
+    """From guesses by the two before, along the lower branch of Bratu's problem, up to half its way to the fold."""
+    problem, z = branch.problem, branch.z[branch.start_row]
+    z = z[np.isfinite(z)]
+    scale, seen, linearise = problem.initial_scale(z, (0.5, 2.0)), [], solutions_at_parameter.linearise
+
+    def counted(*arguments):
+        seen.append(arguments[1])
+        return linearise(*arguments)
+
+    places = [float(8.0 * (s / np.cosh(s)) ** 2) for s in np.linspace(0.26, 0.5, 13)]
+    start = problem.at_parameter(z, places[0], scale)
+    monkeypatch.setattr(solutions_at_parameter, "linearise", counted)
+    rows, _ = followed(problem, start, places[1:9], scale)
+    assert len(rows) == 1
+    assert len(seen) <= 10  # there were 16
+    profile = problem.profile(rows[0])
+    exact = 2.0 * np.log(np.cosh(s := 0.42) / np.cosh(s * (1.0 - 2.0 * profile.times)))
+    assert np.abs(profile.u[:, 0] - exact).max() < 1e-7  # of this mesh
+
+
+def test_a_solution_is_met_to_rounding_and_what_is_beside_it_not(branch):
+    problem, z = branch.problem, branch.z[branch.start_row]
+    z = z[np.isfinite(z)]
+    scale = problem.initial_scale(z, (0.5, 2.0))
+    found = problem.at_parameter(z, float(z[-1]) + 1e-3, scale)
+    assert solutions_at_parameter.met_to_rounding(problem, found)
+    place = np.arange(found.size)
+    beside = found + 1e-11 * scale * np.cos(place) * (place < problem.profile(found).u.size)
+    assert not solutions_at_parameter.met_to_rounding(problem, beside)
+
+
+def test_terms_of_the_linearised_equations_are_at_least_what_their_matrix_has(branch):
+    z = branch.z[-1]
+    z = z[np.isfinite(z)]
+    mesh = OnMesh(branch.problem, branch.problem.profile(z).h)
+    here = mesh.at(mesh.unknowns(z))
+    u = np.random.default_rng(2).uniform(size=mesh.n)
+    least, found = here.linear.magnitude(u), here.magnitude(u)
+    assert np.all(found >= least * (1.0 - 1e-14))
+    assert np.all(found <= 1.5 * least)
+
+
+def test_only_intervals_where_a_solution_is_not_smooth_are_looked_at_again(monkeypatch):
+    """u' = |t - 1/3|^(1/2): of 60 intervals those about 1/3 are halved, and their parts."""
+    model = Model(
+        "corner", kind="bvp", time={"name": "t", "from": 0, "to": 1}, states={"u": 0}, parameters={"p": 1},
+        equations={"u": "p*sqrt(abs(t - 1/3))"}, conditions=["u(start) = 0"],
+    )  # fmt: skip
+    line = contin.continuation(boundary_guess(model, None, None, ()), "p", (0.5, 2.0))
+    problem = line.problem
+    h = np.full(60, 1.0 / 60.0)
+    times = node_times(h, problem.points)
+    exact = (2.0 / 3.0) * ((1.0 / 3.0) ** 1.5 + np.sign(times - 1.0 / 3.0) * np.abs(times - 1.0 / 3.0) ** 1.5)
+    profile = Profile(problem.points, exact[:, None], 1.0, h, 1.0)
+    seen, jacobians = [], type(problem.two.system).jacobians
+
+    def counted(system, u, p):
+        seen.append(len(u))
+        return jacobians(system, u, p)
+
+    monkeypatch.setattr(type(problem.two.system), "jacobians", counted)
+    finer = resolving(problem, profile, h, np.ones(1), 1e-9)
+    assert 60 < len(finer) < 120
+    inner = 3 * problem.points + 2  # places in an interval
+    assert seen[0] == 60 * inner
+    assert max(seen[1:]) <= 20 * inner  # it was all of them, 120 and more
 
 
 def test_a_residual_alone_has_the_bits_of_that_with_derivatives(branch):

@@ -10,10 +10,12 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.outcome import Verified
 from contin.continuation.position import position
+from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Sample
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
 
+CROSSINGS = ("BP", "BPC")  # types of points through which another branch passes
 CHORD = 1e-7  # shorter chords have no direction
 ALIGNED = 0.99  # cosine from which the tangent at a point is that of the branch that was followed
 
@@ -77,8 +79,14 @@ def at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
     expected = expected / np.linalg.norm(expected)
     if point.vectors.get("crossed"):  # another curve crosses, and the equations have no one tangent there
         return replace(near, tangent=expected)
-    if point.type != "BP" and not point.touches and not stretch.problem.adaptive:  # one branch, and a regular point
-        sample = stretch.problem.probe(base, length, point.z.copy(), stretch.frame, stretch.settings)
+    if point.type not in CROSSINGS and not point.touches:  # one branch, and a regular point
+        if not stretch.problem.adaptive:
+            sample = stretch.problem.probe(base, length, point.z.copy(), stretch.frame, stretch.settings)
+        elif not in_two_parameters(stretch.problem):  # in the point's own phase, without the sparse matrices below
+            there = replace(near, z=point.z, tangent=expected)
+            sample = stretch.problem.probe(there, 0.0, point.z.copy(), stretch.frame, stretch.settings)
+        else:
+            sample = None
         if sample is not None and dot(sample.tangent, expected) > ALIGNED:
             return replace(near, tangent=sample.tangent)
     try:

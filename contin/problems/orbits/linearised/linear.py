@@ -20,7 +20,7 @@ from contin.kernels.collocation import LANES, evaluate, forcing_period, new_poin
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.linearised.bordered import Bordered, crossing
 from contin.problems.orbits.linearised.pattern import block_places, matrix_places
-from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.orbits.mesh.layout import Profile, in_intervals
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -188,8 +188,7 @@ class OrbitLinear:
         raw = v[: self.nu] * self.units[: self.nu]
         by_period = 0.0 if variational else v[self.nu] * self.units[self.nu]
         by_parameter = 0.0 if variational else v[self.nu + 1] * self.units[self.nu + 1]
-        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
-        at = np.einsum("cj,ijk->ick", scheme.values, raw.reshape(-1, n)[nodes])
+        at = in_intervals(scheme.values, raw.reshape(-1, n))
         states = np.moveaxis(w.at, -1, 0)
         direction = np.zeros((count, m, n + self.problem.system.p_size), v.dtype)
         direction[:, :, :n] = at

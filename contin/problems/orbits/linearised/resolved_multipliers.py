@@ -18,6 +18,7 @@ from contin.kernels.tests_of_stability import map_tests
 from contin.machine import elementary
 from contin.problems.orbits.linearised.independent_parts import LARGEST, Multipliers, by_parts
 from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.mesh.layout import in_intervals
 
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
@@ -75,8 +76,8 @@ def _in_the_plane(problem: OrbitEquations, z: Array) -> Array:
     first = problem.profile(z[0])
     place, m, count = first.u.size, first.m, first.intervals
     u, period, h = z[:, :place].reshape(len(z), -1, 2), z[:, place], z[:, place + 1 : place + 1 + count]
-    nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
-    states = np.einsum("cj,rijk->rick", basis(m).values, u[:, nodes]).reshape(-1, 2)
+    inside = in_intervals(basis(m).values, u.transpose(1, 0, 2).reshape(-1, 2 * len(z)))
+    states = inside.reshape(-1, len(z), 2).transpose(1, 0, 2).reshape(-1, 2)
     parameters = np.tile(problem.full_parameters(z[0]), (len(z), 1))
     parameters[:, problem.active] = z[:, -1]
     field, jacobians = problem.system.jacobians(states, np.repeat(parameters, count * m, axis=0))

@@ -95,7 +95,7 @@ class Transfer:
 
     def __call__(self, u: Array) -> Array:
         """(K, k) from values (N m + 1, k) at the nodes."""
-        return np.asarray(np.einsum("tj,tjk->tk", self.weights, u[self.nodes]))
+        return np.asarray(np.einsum("tj,tjk->tk", self.weights, u.take(self.nodes, axis=0)))
 
 
 def node_times(h: Array, m: int) -> Array:
@@ -114,6 +114,14 @@ def node_weights(h: Array, m: int) -> Array:
     weights[:-1] = local[:, :-1].ravel()
     weights[m::m] += local[:, -1]
     return weights
+
+
+def in_intervals(matrix: Array, u: Array) -> Array:
+    """(N, c, k): in every interval what a matrix (c, m + 1) of the scheme makes of values (N m + 1, k) at its nodes."""
+    c, nodes, k = len(matrix), matrix.shape[1], u.shape[1]
+    places = np.arange(nodes)[:, None] + (nodes - 1) * np.arange((len(u) - 1) // (nodes - 1))
+    found = np.einsum("cj,jx->cx", matrix, u.take(places, axis=0).reshape(nodes, -1))  # long rows: sums of few are slow
+    return np.ascontiguousarray(found.reshape(c, -1, k).transpose(1, 0, 2))
 
 
 def of_one_mesh(one: Profile, other: Profile) -> bool:

@@ -24,7 +24,9 @@ from contin.continuation.outcome import Verified
 from contin.machine.elementary import square
 from contin.normalforms.coefficient import SAFETY as CHANGE
 from contin.normalforms.coefficient import Coefficient
+from contin.problems.orbits.linearised.bordered import Borders
 from contin.problems.orbits.linearised.linear import OrbitLinear, embed
+from contin.problems.orbits.normal_forms.carried_borders import carried
 from contin.problems.orbits.normal_forms.multiple_branch_point import kernel_dimension, planes
 from contin.problems.orbits.symmetric.symmetry import halves_alike
 from contin.records import Record
@@ -58,7 +60,9 @@ def branch_point(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) 
     breaks: the symmetry that the orbit has and the new family has not; kernel: the number of multipliers that pass 1
     together there, where it is above 1 (see `contin.problems.orbits.normal_forms.multiple_branch_point`).
     """
-    coarse = _crossings(problem, point, solved)
+    known: dict[str, Borders] = {}
+    linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
+    coarse = _crossings(linear, point, solved, known)
     if not coarse:
         return {}
     count = kernel_dimension(problem, point.eigenvalues)
@@ -67,7 +71,9 @@ def branch_point(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) 
         broken = halves_alike(problem, solved.z, each.vertical * solved.scale)
         if broken:
             return {"kind": "pitchfork", "breaks": broken[0], **kernel}
-    fine = _crossings(problem, point, solved.finer or solved)
+    other = solved.finer or solved
+    finer = OrbitLinear(problem, other.z, other.scale, other.z)
+    fine = _crossings(finer, point, other, carried(known, linear, finer))
     if len(fine) != len(coarse):
         return {}
     return {**decided(coarse[0], fine[0]), **kernel}
@@ -91,11 +97,13 @@ def decided(coarse: Crossing, fine: Crossing) -> Record:
     return {"kind": "pitchfork" if abs(b20) <= e20 else "transcritical", **stated}
 
 
-def _crossings(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) -> list[Crossing]:
-    linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
+def _crossings(
+    linear: OrbitLinear, point: Verified, solved: SolvedOrbit, known: dict[str, Borders]
+) -> list[Crossing]:  # fmt: skip
+    problem = linear.problem
     off = SAFETY * max(solved.error / float(solved.scale[-1]), SETTLED)
     found = []
-    for null, left in planes(linear, point.eigenvalues):
+    for null, left in planes(linear, point.eigenvalues, known):
         along = null[-1] / np.linalg.norm(null[-1])  # the parameter is the last unknown
         vectors = null @ np.column_stack([[-along[1], along[0]], along])
         values, sizes = _terms(linear, left, vectors)

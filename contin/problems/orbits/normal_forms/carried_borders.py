@@ -17,18 +17,19 @@ from contin.problems.orbits.mesh.layout import Profile, node_times
 
 
 def carried(known: Mapping[str, Borders], source: OrbitLinear, target: OrbitLinear) -> dict[str, Borders]:
-    """The same borders b (rows, k), c (nu, k) on the mesh of `target`; orthonormal.
+    """The same borders b (rows, k), c (unknowns, k) on the mesh of `target`; orthonormal.
 
-    c are functions at the nodes over their units. b are functions at the Gauss points times their weights, and values
-    of the condition that closes the orbit.
+    c are functions at the nodes over their units, and unknowns of the orbit as a whole. b are functions at the
+    Gauss points times their weights, and values of the conditions on the orbit.
     """
     n, old, new = source.profile.n, source.profile, target.profile
+    nu, rows = source.nu, len(_gauss_times(old)) * n
     carried_on: dict[str, Borders] = {}
     for name, (b, c) in known.items():
-        nodes = _between(node_times(old.h, old.m), c * source.units[: source.nu, None], node_times(new.h, new.m), n)
-        inside = _between(_gauss_times(old), b[:-n] / _weights(old), _gauss_times(new), n) * _weights(new)
-        c = nodes / target.units[: target.nu, None]
-        carried_on[name] = np.linalg.qr(np.vstack([inside, b[-n:]]))[0], np.linalg.qr(c)[0]
+        nodes = _between(node_times(old.h, old.m), c[:nu] * source.units[:nu, None], node_times(new.h, new.m), n)
+        inside = _between(_gauss_times(old), b[:rows] / _weights(old), _gauss_times(new), n) * _weights(new)
+        c = np.vstack([nodes / target.units[: target.nu, None], c[nu:]])
+        carried_on[name] = np.linalg.qr(np.vstack([inside, b[rows:]]))[0], np.linalg.qr(c)[0]
     return carried_on
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.orbits.linearised.bordered import Bordered, crossing
+from contin.problems.orbits.linearised.bordered import Bordered, Borders, crossing
 from contin.problems.orbits.linearised.linear import OrbitLinear, embed
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.orbits.symmetric.symmetry import moved_direction
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 CRITICAL: Final = 1e-3  # distance from 1 of the multipliers that pass it together
 MOST: Final = 6  # of them
 SIMPLE: Final = 1e-2  # distance of two eigenvalues of a symmetry's action from which they are two
+OF_FAMILY: Final = "family"  # borders of the equations of a family
 SAME: Final = 1e-3  # 1 - cosine up to which two directions are one
 
 Complex = NDArray[np.complex128]
@@ -52,16 +53,23 @@ def crossing_tangents(problem: OrbitEquations, z: Array, scale: Array, eigenvalu
     return tangents
 
 
-def planes(linear: OrbitLinear, eigenvalues: Complex) -> list[tuple[Array, Array]]:
+def planes(
+    linear: OrbitLinear, eigenvalues: Complex, known: dict[str, Borders] | None = None
+) -> list[tuple[Array, Array]]:  # fmt: skip
     """For each family that may cross: two null vectors (N, 2), and the left one (rows,) that its equation needs.
 
     Where several multipliers are 1 the first null vector is that of the family at hand; none where no symmetry tells a
     direction from the others.
+
+    known : borders of the equations on another mesh, with which half the factors do; these add their own.
     """
     count = kernel_dimension(linear.problem, eigenvalues)
     if count > MOST:
         return []
-    right, _, left = Bordered.of(linear.jacobian, max(count, 1) + 1).solve()
+    known = {} if known is None else known
+    bordered = Bordered.of(linear.jacobian, max(count, 1) + 1, known.get(OF_FAMILY))
+    known[OF_FAMILY] = bordered.b, bordered.c
+    right, _, left = bordered.solve()
     null = np.linalg.qr(right)[0]
     if count <= 1:
         return [(null, left[:, 0] / np.linalg.norm(left[:, 0]))]

@@ -29,6 +29,7 @@ from contin.normalforms.result import sense
 from contin.problems.algebraic_states import massless
 from contin.problems.orbits.linearised.bordered import Bordered, Borders, factors
 from contin.problems.orbits.linearised.linear import OrbitLinear
+from contin.problems.orbits.mesh.layout import in_intervals
 from contin.problems.orbits.normal_forms.branch_point import branch_point
 from contin.problems.orbits.normal_forms.carried_borders import carried
 
@@ -205,9 +206,7 @@ class Forms:
 
     def values(self, w: Vector) -> Values:
         """A function at the nodes, at the Gauss points."""
-        profile = self.linear.profile
-        nodes = np.arange(profile.intervals)[:, None] * profile.m + np.arange(profile.m + 1)
-        return np.asarray(np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes]))
+        return in_intervals(basis(self.linear.profile.m).values, w)
 
     def weighed(self, w: Values) -> Values:
         return w
