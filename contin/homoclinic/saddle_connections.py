@@ -193,7 +193,8 @@ class ConnectionProblem(CurveOfConnections):
             return Renewal(scale, origin, before, None, End("saddle-node", text))
         profile, sizes = self.curve.profile(origin.z), self.sizes(origin.z, scale)
         orbits = self.curve.orbits
-        if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL:
+        extent, last = (self._extent(sample, sizes) for sample in (origin, before or origin))
+        if extent < min(SMALL, last):  # beside the point that they are born at they are as small, and grow
             text = f"the connecting orbits shrink to a point near {self.place(origin.z)}"
             return Renewal(scale, origin, before, None, End("bt", text))
         met = None if before is None else further_saddle(self, origin.z, before.z, scale, sizes)
@@ -223,6 +224,10 @@ class ConnectionProblem(CurveOfConnections):
         sizes = self.sizes(origin.z, frame.scale)
         end = further_saddle(self, origin.z, before.z, frame.scale, sizes, failed=True)
         return None if end is None else Renewal(frame.scale, origin, before, None, end)
+
+    def _extent(self, sample: Sample, sizes: Array) -> float:
+        """Of the orbit, relative to the states' sizes."""
+        return float(np.max(np.ptp(self.curve.profile(sample.z).u, axis=0) / sizes))
 
     def _on_interval(self, z: Array, origin: Sample, scale: Array, h: Array, settings: Settings) -> Renewal | None:
         """The point on another interval of time: solved anew, with the tangent in the same sense."""

@@ -1,6 +1,7 @@
 """The series of the homoclinic orbit at a Bogdanov-Takens point, beside orbits that are solved for."""
 
 import numpy as np
+import pytest
 
 import contin
 from contin.lowering.system import compile_system
@@ -33,3 +34,29 @@ def test_predicted_parameters_and_orbits_are_right_to_the_fifth_order():
     assert np.polyfit(np.log(sizes), np.log(off), 1)[0] > 5.5
     assert np.polyfit(np.log(sizes), np.log(apart), 1)[0] > 5.0
     assert off[-1] < 1e-2 * 4 * sizes[-1] ** 4
+
+
+def test_orbits_that_grow_beside_states_much_larger_than_they_are_do_not_shrink_to_their_point():
+    """x' = v, v' = p + q v + x^2 + x v + x^3/2, moved by 400: the orbits' extent is 0.1 % of the states to begin with.
+
+    Those are the same orbits. The moved ones ended `bt` after 7 rows, though they grew.
+    """
+    ends = [_at_bound(moved) for moved in (0.0, 400.0)]
+    assert ends[1] == pytest.approx(ends[0], rel=1e-5)
+
+
+def _at_bound(moved: float) -> float:
+    """p of the homoclinic orbit at q = 0.4."""
+    model = contin.Model(
+        "moved", states={"x": moved - 0.5, "y": moved}, parameters={"p": -0.25, "q": -0.5},
+        definitions={"u": f"x - {moved}", "v": f"y - {moved}"},
+        equations={"x": "v", "y": "p + q*v + u^2 + u*v + u^3/2"},
+    )  # fmt: skip
+    names, box = ("p", "q"), {"p": (-0.6, 0.5), "q": (-1, 0.4)}
+    line = contin.continuation(contin.equilibrium(model), "p", (-0.26, 0.5))
+    folds = contin.continuation(line["LP1"].locus(), names, box)
+    (seed,) = (s for s in folds["BT1"].locus(names) if s.problem.locus == "HOM")
+    loops = contin.continuation(seed, names, box)
+    assert [end.reason for end in loops.ends] == ["start", "bound"]
+    assert np.all(np.diff(loops.columns["x.max"] - loops.columns["x.min"]) > 0.0)
+    return float(loops.columns["p"][-1])
