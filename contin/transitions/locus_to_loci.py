@@ -33,6 +33,8 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
     if point.vectors.get("plane"):
         return _across_plane(problem, point, parameters)
     types = curves_of_points(point.type, own)
+    if point.vectors.get("forced"):  # no parameter unfolds the multiplier 1: no folds, but branch points
+        types = tuple("BP" if type_ == "LP" else type_ for type_ in types)
     found: list[tuple[str, float]] = []
     for type_ in dict.fromkeys(types):
         for scalar in _scalars(point, type_):

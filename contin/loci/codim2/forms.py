@@ -58,7 +58,7 @@ def described(
     if point.type == "CH" and frequencies:
         frequency = float(elementary.angle(next(v for v in critical if v.imag > 0.0)))
     forced, plane = plane and point.type != "ZH", plane and point.type == "ZH"
-    vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {})
+    vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {}) | ({"forced": True} if forced else {})
     if not table()[point.type].normal_form and point.type != "DP":
         return with_remark(replace(point, vectors=vectors), "fixed points of maps")
     jet = jet_at(problem, point.z)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.loci.equilibria.across import FIRST, first_across, usual_rate
 from contin.loci.tolerances import FORCED
 from contin.machine import elementary
 from contin.problems.equilibria.defining import solve_bordered
@@ -167,11 +168,13 @@ class BorderedCurve(Gauged):
 
     def _across(self, z: Array) -> Array:
         """A direction of the parameters across the curve; the first parameter's, until the curve's own is known."""
-        known = self.gauge
+        known, u, p = self.gauge, z[: self.n], self.full_parameters(z)
         if self.more:  # branch points in the first parameter
-            return np.array([1.0, 0.0])
-        if known is None or abs(self.scalar(z)) > FORCED * float(np.abs(self._scaled(self.matrix(z))).max()):
-            return np.array([1.0, 0.0])
+            return FIRST
+        if known is None:
+            return first_across(self.system, u, p, (self.first, self.second), self.sizes, self.shift)
+        if abs(self.scalar(z)) > FORCED * usual_rate(self.system, u, p, self.sizes):
+            return FIRST
         along = np.linalg.svd(self.linearise(z, known)[1])[2][-1]
         width = float(elementary.hypot(along[-1], along[-2]))
         return np.array([-along[-2], along[-1]]) / width if width > 0.0 else known.across

@@ -23,6 +23,7 @@ from contin.linalg import newton
 from contin.loci.codim2 import degenerate, events, uncomputed_tests
 from contin.loci.curve_of_points import LONGEST, CurveOfPoints, scalar_columns
 from contin.loci.equilibria import timeless
+from contin.loci.equilibria.across import usual_rate
 from contin.loci.equilibria.curves import curve_of
 from contin.loci.equilibria.extended import ExtendedCurve
 from contin.loci.equilibria.half_cycles import halves_change_places, is_doubling, is_even
@@ -287,6 +288,8 @@ class LocusProblem(CurveOfPoints):
     def _is_unfolded(self, z: Array) -> bool:
         d = self.curve.sizes
         rate = float(np.linalg.norm(self.curve.matrix(z[0]) * d / d[:, None]))
+        if self.n == 1:  # of one state f_u vanishes at branch points
+            rate = usual_rate(self.system, z[0, :1], self.curve.full_parameters(z[0]), d)
         return bool(np.any(np.abs(z[:, -3]) > FORCED_AT_POINTS * rate))
 
     def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:

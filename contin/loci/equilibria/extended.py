@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from contin.abi import Array
+from contin.loci.equilibria.across import first_across, usual_rate
 from contin.loci.tolerances import FORCED
 from contin.lowering import compile_system
 from contin.machine import elementary
@@ -165,7 +166,7 @@ class ExtendedCurve(Gauged):
         if self.type in ("LP", "PD"):
             return None
         if self.type == "BP":
-            return np.array([1.0, 0.0]) if known.values is None else known.values
+            return self._first_across(z) if known.values is None else known.values
         return self._serving(z, known.values) * self.sizes
 
     def _serving(self, z: Array, border: Array | None) -> Array:
@@ -221,13 +222,17 @@ class ExtendedCurve(Gauged):
         width = elementary.hypot(along[-1], along[-2])
         return np.array([-along[-2], along[-1]]) / width if width > 0.0 and self._is_forced(z) else None
 
+    def _first_across(self, z: Array) -> Array:
+        places = self.first, self.second
+        return first_across(self.system, z[: self.n], self.full_parameters(z), places, self.sizes, 0.0)
+
     def _is_forced(self, z: Array) -> bool:
         """True where the unfolding, a rate in these units of w, is nothing beside the rates of the equations."""
         return abs(self.scalar(z)) < FORCED * self._rate(z)
 
     def _rate(self, z: Array) -> float:
-        """The largest entry of f_u in scaled states, in which the unfolding of branch points is measured."""
-        found = float(np.abs(self.matrix(z) * self.sizes / self.sizes[:, None]).max())
+        """In which the unfolding of branch points is measured."""
+        found = usual_rate(self.system, z[: self.n], self.full_parameters(z), self.sizes)
         return found if 0.0 < found < np.inf else 1.0
 
     def squared(self, matrix: Array, kappa: float) -> Array:
