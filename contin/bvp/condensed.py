@@ -7,13 +7,14 @@ and the border take the place of periodicity. T = 1 has a row of its own. Layout
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.bvp.workspace import Workspace
-from contin.kernels.collocation import evaluate, residual
+from contin.kernels.collocation import LANES, evaluate, residual
+from contin.kernels.collocation_basis import basis
 from contin.kernels.collocation_system import clear_right, expand, reduce_right
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
@@ -24,6 +25,8 @@ from contin.machine import elementary
 
 if TYPE_CHECKING:
     from contin.bvp.boundary_equations import BoundaryEquations
+
+ROUNDING: Final = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,7 @@ class Condensed:
     intervals: int
     work: Workspace
     condition_sizes: Array  # (n,) where all unknowns have their sizes
+    by_ends: Array  # (n, 2 n + 1) moduli of the conditions' derivatives by u(0), u(1) and p
 
     @property
     def log_determinant(self) -> float:
@@ -75,6 +79,24 @@ class Condensed:
         x[: out.size - 1] = out[:-1]
         x[-1] = out[-1]
         return x / self.scale
+
+
+def met_to_rounding(here: Condensed, residual: Array, z: Array) -> bool:
+    """Whether a residual at z is rounding of its own terms: corrections are then noise, however nearly singular F_u.
+
+    here : linearised at z or next to it, with the matrices of the terms.  (A pulse on a long interval moves by
+    exp(-length) for conditions at its ends: its place is known to no more.)
+    """
+    n, m, count, w = here.n, here.m, here.intervals, here.work.points
+    scheme, nodes = basis(m), np.arange(m + 1)[:, None] + m * np.arange(count)
+    u = np.abs(z[: (count * m + 1) * n]).reshape(-1, n)
+    local = u.take(nodes, axis=0).transpose(0, 2, 1)  # (m + 1, n, N)
+    own, inside = (np.einsum("cj,jki->cki", np.abs(of), local) for of in (scheme.slopes, scheme.values))
+    own += w.h * (np.einsum("ickq,cqi->cki" if n > LANES else "ckqi,cqi->cki", np.abs(w.fu), inside))
+    own += w.h * np.abs(w.fp * z[-1])
+    ends = here.by_ends @ np.concatenate([u[0], u[-1], np.abs(z[-1:])])
+    terms = np.append(own.transpose(2, 0, 1).ravel(), ends)
+    return bool(np.all(np.abs(residual[: terms.size]) <= ROUNDING * terms))
 
 
 def residual_at(problem: BoundaryEquations, z: Array) -> Array | None:
@@ -123,5 +145,6 @@ def linearise(problem: BoundaryEquations, z: Array, tangent: Array, scale: Array
         sign *= int(np.prod(np.sign(np.diag(a))))
     nodes = (count * m + 1) * n
     unknowns = np.concatenate([scale[:n], scale[nodes - n : nodes], scale[-1:]])
-    own = np.abs(matrix[:, [*range(2 * n), 2 * n + problem.active]]) @ unknowns
-    return Condensed(here, float(sign), scale, n, m, count, work, np.where(own > 0.0, own, 1.0))
+    by_ends = np.abs(matrix[:, [*range(2 * n), 2 * n + problem.active]])
+    own = by_ends @ unknowns
+    return Condensed(here, float(sign), scale, n, m, count, work, np.where(own > 0.0, own, 1.0), by_ends)

@@ -38,7 +38,6 @@ class Evaluated:
     residual: Array
     slope: Array
     matrix: Callable[[], DirectLinear]
-    magnitude: Callable[[Array], Array]  # of |u|, the terms of F_u u: at least |F_u| |u|
 
     @cached_property
     def linear(self) -> DirectLinear:
@@ -167,19 +166,7 @@ class OnMesh:
         def linear() -> DirectLinear:
             return DirectLinear(self._matrix(fu, dg), self.factoriser, balanced=True)
 
-        def magnitude(u: Array) -> Array:
-            return self._magnitude(fu, dg, u)
-
-        return Evaluated(x.copy(), np.append(self._local(w, z), g), slope, linear, magnitude)
-
-    def _magnitude(self, fu: Array, dg: Array, u: Array) -> Array:
-        """|F_u| u for u >= 0, by rows as F has them, without putting F_u together."""
-        n, scheme = self.problem.n, basis(self.problem.points)
-        u = u.reshape(-1, n)
-        own, inside = (in_intervals(np.abs(of), u) for of in (scheme.slopes, scheme.values))
-        own += self.h[:, None, None] * np.einsum("ickq,icq->ick", np.abs(fu), inside)
-        ends = np.einsum("kq,q->k", np.abs(dg[:, : 2 * n]), np.concatenate([u[0], u[-1]]))
-        return np.append(own.ravel(), ends)
+        return Evaluated(x.copy(), np.append(self._local(w, z), g), slope, linear)
 
     def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""

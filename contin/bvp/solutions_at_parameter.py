@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.bvp.condensed import Condensed, linearise, residual_at
-from contin.bvp.on_mesh import OnMesh
+from contin.bvp.condensed import Condensed, linearise, met_to_rounding, residual_at
 from contin.linalg.newton import longest_part
 from contin.linalg.vectors import norm
 
@@ -31,7 +30,6 @@ BLURRED: Final = 1e-4  # a correction that may be rounding of a nearly singular 
 FALLEN: Final = 0.01  # part of the residual that is left after a Newton step that has worked
 NEARBY: Final = 1e-2  # a first step from a guess next to the solution: from farther away quadratic convergence counts
 FAST: Final = 0.01  # part of a step before up to which factors serve again: new ones cost four times as much
-ROUNDING: Final = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
 
 def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
@@ -52,42 +50,44 @@ def at_parameter(problem: BoundaryEquations, guess: Array, value: float, scale: 
         near = size < NEARBY if iteration == 0 else near
         if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
             return z if size >= before else _moved(z, scale, step, value)
-        if 0.1 * before < size < BLURRED and met_to_rounding(problem, z):  # (shrinking steps are no noise)
+        if 0.1 * before < size < BLURRED and met_to_rounding(here, here.residual, z):  # (shrinking steps are no noise)
             return z
         ahead = partial(_ahead, problem, here, z, scale, step, value)
         found = longest_part(ahead, size, STALLED, min(1.0, 4.0 * damping), SHORTEST)
         if found is None:
-            return z if size < BLURRED and met_to_rounding(problem, z) else None
-        damping, (z, left) = found
+            return z if size < BLURRED and met_to_rounding(here, here.residual, z) else None
+        damping, (z, left, residual) = found
         if damping == 1.0 and norm(left) < ACCURATE:
             return _moved(z, scale, left, value)
         before = size if damping == 1.0 else np.inf
         if damping == 1.0 and near:
-            z, before, solved = _by_chords(problem, here, z, scale, left, size, value)
+            z, before, solved = _by_chords(problem, here, z, scale, left, residual, size, value)
             if solved:
                 return z
     return None
 
 
 def _by_chords(
-    problem: BoundaryEquations, here: Condensed, z: Array, scale: Array, left: Array, size: float, value: float
-) -> tuple[Array, float, bool]:
+    problem: BoundaryEquations, here: Condensed, z: Array, scale: Array, left: Array, residual: Array, size: float,
+    value: float,
+) -> tuple[Array, float, bool]:  # fmt: skip
     """Where further steps by the same factors lead while they fall fast, the last one's length; and is it a solution?
 
-    left : the first of them, from z, to which a step of this size has led. A step that does not fall is no sign of a
-    solution, as where F_u is nearly singular; a residual that is rounding is.
+    left : the first of them, from z with its residual, to which a step of this size has led. A step that does not fall
+    is no sign of a solution, as where F_u is nearly singular; a residual that is rounding is.
     """
     further = norm(left)
     while further < FAST * size:
         there = _moved(z, scale, left, value)
-        residual = residual_at(problem, there)
-        if residual is None:
+        at_it = residual_at(problem, there)
+        if at_it is None:
             break
+        residual = at_it
         z, size, left = there, further, here.solve(np.append(-residual, 0.0))
         further = norm(left)
         if further < ACCURATE:
             return _moved(z, scale, left, value), further, True
-    return z, size, further < BLURRED and met_to_rounding(problem, z)
+    return z, size, further < BLURRED and met_to_rounding(here, residual, z)
 
 
 def at_parameter_from_afar(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
@@ -114,25 +114,11 @@ def at_parameter_from_afar(problem: BoundaryEquations, guess: Array, value: floa
     return None
 
 
-def met_to_rounding(problem: BoundaryEquations, z: Array) -> bool:
-    """Whether the residual at z is rounding of its own terms: corrections are then noise, however nearly singular F_u.
-
-    (A pulse on a long interval moves by exp(-length) for conditions at its ends: its place is known to no more.)
-    """
-    mesh = OnMesh(problem, problem.profile(z).h)
-    x = mesh.unknowns(z)
-    here = mesh.at(x)
-    if here is None:
-        return False
-    terms = here.magnitude(np.abs(x[:-1])) + np.abs(here.slope * x[-1])
-    return bool(np.all(np.abs(here.residual) <= ROUNDING * terms))
-
-
 def _ahead(
     problem: BoundaryEquations, here: Condensed, z: Array, scale: Array, step: Array, value: float, part: float
-) -> tuple[float, tuple[Array, Array]] | None:
-    """The length of the next step after a part of this one, the place, and that step by the same factors; the length is
-    0 where a step has worked although the next one is no shorter: F_u is nearly singular there."""
+) -> tuple[float, tuple[Array, Array, Array]] | None:
+    """The length of the next step after a part of this one; the place, that step by the same factors, and the residual
+    there. The length is 0 where a step has worked although the next one is no shorter: F_u is nearly singular there."""
     there = _moved(z, scale, part * step, value)
     left = residual_at(problem, there)
     if left is None:
@@ -140,7 +126,7 @@ def _ahead(
     further = here.solve(np.append(-left, 0.0))
     again = norm(further)
     works = again < BLURRED and norm(left) < FALLEN * norm(here.residual)
-    return 0.0 if works else again, (there, further)
+    return 0.0 if works else again, (there, further, left)
 
 
 def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import contin
-from contin.bvp import solutions_at_parameter, special_points
+from contin.bvp import condensed, solutions_at_parameter, special_points
+from contin.bvp.condensed import linearise, met_to_rounding, residual_at
 from contin.bvp.defects import resolving
 from contin.bvp.from_guess import boundary_guess
 from contin.bvp.on_mesh import OnMesh
@@ -81,21 +82,24 @@ def test_a_solution_is_met_to_rounding_and_what_is_beside_it_not(branch):
     z = z[np.isfinite(z)]
     scale = problem.initial_scale(z, (0.5, 2.0))
     found = problem.at_parameter(z, float(z[-1]) + 1e-3, scale)
-    assert solutions_at_parameter.met_to_rounding(problem, found)
     place = np.arange(found.size)
     beside = found + 1e-11 * scale * np.cos(place) * (place < problem.profile(found).u.size)
-    assert not solutions_at_parameter.met_to_rounding(problem, beside)
+    here = linearise(problem, found, np.eye(found.size)[-1], scale)
+    assert met_to_rounding(here, residual_at(problem, found), found)
+    assert not met_to_rounding(here, residual_at(problem, beside), beside)
 
 
-def test_terms_of_the_linearised_equations_are_at_least_what_their_matrix_has(branch):
+def test_terms_of_the_equations_are_those_of_their_matrix(branch, monkeypatch):
+    """A residual as large as |F_u| |u| + |F_p p| is rounding where rounding is 1, and one 1.5 times as large is not."""
     z = branch.z[-1]
     z = z[np.isfinite(z)]
     mesh = OnMesh(branch.problem, branch.problem.profile(z).h)
-    here = mesh.at(mesh.unknowns(z))
-    u = np.random.default_rng(2).uniform(size=mesh.n)
-    least, found = here.linear.magnitude(u), here.magnitude(u)
-    assert np.all(found >= least * (1.0 - 1e-14))
-    assert np.all(found <= 1.5 * least)
+    at = mesh.at(mesh.unknowns(z))
+    terms = at.linear.magnitude(np.abs(z[: mesh.n])) + np.abs(at.slope * z[-1])
+    here = linearise(branch.problem, z, np.eye(z.size)[-1], branch.problem.initial_scale(z, (0.5, 2.0)))
+    monkeypatch.setattr(condensed, "ROUNDING", 1.0 + 1e-14)
+    assert met_to_rounding(here, terms, z)
+    assert not met_to_rounding(here, 1.5 * terms, z)
 
 
 def test_only_intervals_where_a_solution_is_not_smooth_are_looked_at_again(monkeypatch):

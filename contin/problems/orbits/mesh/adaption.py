@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 from contin.kernels.collocation_mesh import mesh_error
 from contin.machine import elementary
-from contin.problems.orbits.mesh.layout import Profile, in_intervals
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.sizes import TINY_STATE
 from contin.problems.orbits.mesh.small_ends import towards_small_ends
 
@@ -86,7 +86,7 @@ def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
     h, m = profile.h, profile.m
     nodes = np.arange(profile.intervals)[:, None] * m + np.arange(m + 1)
     u = profile.u[nodes][:, :, states]  # (N, m + 1, k)
-    top = in_intervals(basis(m).top[None], profile.u[:, states])[:, 0] / elementary.pow(h[:, None], m)
+    top = np.einsum("j,ijk->ik", basis(m).top, u) / elementary.pow(h[:, None], m)
     jumps = 2.0 * np.abs(top - np.roll(top, 1, axis=0)) / (h + np.roll(h, 1))[:, None]
     local = np.maximum(jumps, np.roll(jumps, -1, axis=0)) / np.abs(u).max(axis=1)
     return np.asarray(local.max(axis=1))

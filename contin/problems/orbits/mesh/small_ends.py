@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
-from contin.problems.orbits.mesh.layout import Profile, in_intervals
+from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.mesh.sizes import TINY_STATE
 
 SMALL: Final = 1e-3  # of its largest modulus: an end value that errors relative to the largest do not tell
@@ -55,6 +55,7 @@ def error_at_small_ends(profile: Profile, sizes: Array) -> float:
 def _top(profile: Profile, counted: Array) -> Array:
     """|u^(m + 1)| of functions on every interval, (intervals, k): of jumps of the highest derivative at its ends."""
     h, m = profile.h, profile.m
-    top = in_intervals(basis(m).top[None], profile.u[:, counted])[:, 0] / elementary.pow(h[:, None], m)
+    nodes = np.arange(profile.intervals)[:, None] * m + np.arange(m + 1)
+    top = np.einsum("j,ijk->ik", basis(m).top, profile.u[nodes][:, :, counted]) / elementary.pow(h[:, None], m)
     jumps = 2.0 * np.abs(np.diff(top, axis=0)) / (h[1:] + h[:-1])[:, None]
     return np.asarray(np.maximum(np.vstack([jumps[:1], jumps]), np.vstack([jumps, jumps[-1:]])))
