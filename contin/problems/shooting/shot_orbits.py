@@ -28,6 +28,7 @@ from contin.problems.shooting.eigenfunctions import eigenfunctions
 from contin.problems.shooting.equilibrium_on_surface import has_shrunk
 from contin.problems.shooting.events import verify, verify_compound
 from contin.problems.shooting.extremes import measures
+from contin.problems.shooting.grazing_end import comes_to_graze
 from contin.problems.shooting.halving import drives_halves_apart
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.linear import family_tangents
@@ -47,8 +48,9 @@ class ShootingProblem(ShotEquations):
     """The equations of `ShotEquations`, followed by the march in Python; cost of a Newton step as there."""
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-        """What the family was near when its corrector failed: a connecting orbit, a surface along which it slides."""
+        """What the family was near when its corrector failed: a connecting orbit, a surface met or slid along."""
         end = comes_to_slide(self, origin) or comes_to_boundary_equilibrium(self, origin, frame)
+        end = end or comes_to_graze(self, origin)
         if end is not None:
             return Renewal(frame.scale, origin, before, None, end)
         found = None if before is None or not self.autonomous else foretold(self, origin, before, frame)
