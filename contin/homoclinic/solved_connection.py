@@ -11,11 +11,15 @@ from contin.errors import InputError
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.interval import fits, fitted
 from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import UNBOUNDED
 
 ROUNDS = 4  # of solving, until interval and mesh fit
+LONG = 40  # steps of Newton's method from a guess
+LEAP = 0.5  # of its extent, by which a step moves a state at most
+NEAR = 1e-3  # size of a step (scaled) from which on steps become shorter
 ZERO = 1e-6  # of its natural width: the value of a parameter that is smaller is zero to its error, and says no width
 
 
@@ -42,6 +46,9 @@ def solved_connection(curve: ConnectionCurve, arc: Profile, ends: Array, q: floa
         if solved is None and not problem.isolated:  # orbits that the first parameter does not move
             solved = problem.at_unknown(-1, z, arc.parameter, scale)
         if solved is None:
+            near = _from_afar(problem, z, scale)
+            solved = None if near is None else problem.at_held(near, scale)
+        if solved is None:
             raise InputError(f"{source}: Newton's method for the connecting orbit, whole, did not converge")
         z, fitting = solved, fits(curve, solved, sizes)
         if rounds_left == 0 or (fitting and own_mesh):
@@ -54,6 +61,31 @@ def solved_connection(curve: ConnectionCurve, arc: Profile, ends: Array, q: floa
             chosen = choose_mesh(profile, sizes, orbits.tolerance, orbits.intervals)
             z = curve.join(profile.on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
     return Seed(problem, z, parent=parent)
+
+
+def _from_afar(problem: ConnectionProblem, z: Array, scale: Array) -> Array | None:
+    """Nearer to a connection by steps of Newton's method that move no state by more than half its extent.
+
+    From a guess in leading order (a pulse by its envelope, samples of a simulation) whole steps grow, and lead to other
+    connections or nowhere. None where `LONG` steps do not become small.
+    """
+    fixed = np.zeros(z.size)
+    fixed[-1 if problem.isolated else -2] = 1.0
+    u = problem.curve.profile(z).u
+    extent = np.tile(np.ptp(u, axis=0), len(u))
+    extent[extent == 0.0] = np.inf  # a state at rest limits no step
+    for _ in range(LONG):
+        here = problem.settled(z, scale).linearisation(z, fixed, scale)
+        if here is None or here.sign == 0:
+            return None
+        step = here.solve(np.append(-here.residual, 0.0))
+        longest = float(np.max(np.abs((scale * step)[: u.size]) / extent))
+        if not np.isfinite(longest):
+            return None
+        z = z + min(1.0, LEAP / longest) * scale * step
+        if norm(step) < NEAR:
+            return z
+    return None
 
 
 def natural_width(curve: ConnectionCurve, z: Array) -> float:

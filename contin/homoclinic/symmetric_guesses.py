@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError, NoSolutionError, NotFiniteError
@@ -22,7 +21,7 @@ from contin.homoclinic.guesses import (
     Between,
     until_lost,
 )
-from contin.machine import elementary
+from contin.homoclinic.starting_ring import ANGLES, Ring
 from contin.problems.orbits.mesh.layout import Profile
 from contin.simulate.natural import natural_metric
 from contin.simulate.trajectory import integrate
@@ -30,9 +29,10 @@ from contin.simulate.trajectory import integrate
 if TYPE_CHECKING:
     from contin.homoclinic.reversor import Reversor
 
-ANGLES: Final = 128
 REFINEMENTS: Final = 9
-ORDERS: Final = 3  # meetings with the first row of the fixed space that are looked at
+ORDERS: Final = 3  # meetings with the first row of the fixed space that neighbours are to have alike
+MEETINGS: Final = 40  # ... that are looked at: a weak pulse turns many times before it is larger than the linear part
+ALIKE: Final = 0.25  # of the time to the next one, within which meetings of neighbours are one
 MET: Final = 1e-6  # distance from the fixed space, below which a trajectory meets it
 LOST: Final = 1e6  # misses of trajectories that have no value
 APART: Final = 0.2  # radians and part of the time, nearer than which two guesses are one
@@ -79,7 +79,7 @@ class _Flight:
 class _Search:
     between: Between
     reversor: Reversor
-    ring: _Ring
+    ring: Ring
     times: Array
 
     @classmethod
@@ -89,7 +89,7 @@ class _Search:
         values, vectors = np.linalg.eig(matrix)
         growing = values.real > 1e-6 * np.abs(values).max()
         times = np.linspace(0.0, LONGEST / float(values.real[growing].min()), SAMPLES)
-        return cls(between, reversor, _Ring.of(values[growing], vectors[:, growing]), times)
+        return cls(between, reversor, Ring.of(values[growing], vectors[:, growing]), times)
 
     def flight(self, angle: float) -> _Flight:
         one = self.between
@@ -122,12 +122,13 @@ class _Search:
         """Between two neighbours whose meetings with the first row lie on different sides of the second one."""
         found = []
         for a, b in pairwise(flights):
-            for k in range(min(len(a.times), len(b.times), ORDERS)):
-                x, y = a.others[k], b.others[k]
-                if x.size and x[0] * y[0] < 0.0 and abs(a.times[k] - b.times[k]) < APART * a.times[k]:
-                    one = a if np.linalg.norm(x) < np.linalg.norm(y) else b
-                    gap = float(np.linalg.norm(one.others[k]))
-                    found.append((one.angle, Approach(gap, one.start, float(one.times[k]), k + min(gap, 1.0))))
+            for k, j in _alike(a.times[:MEETINGS], b.times[:MEETINGS]):
+                x, y = a.others[k], b.others[j]
+                if x.size and x[0] * y[0] < 0.0:
+                    nearer, order = (a, k) if np.linalg.norm(x) < np.linalg.norm(y) else (b, j)
+                    gap = float(np.linalg.norm(nearer.others[order]))
+                    rank = min(k, j) + min(gap, 1.0)
+                    found.append((nearer.angle, Approach(gap, nearer.start, float(nearer.times[order]), rank)))
         return found
 
     def nearest(self, flights: list[_Flight]) -> list[tuple[float, Approach]]:
@@ -142,6 +143,16 @@ class _Search:
         return found
 
 
+def _alike(one: Array, other: Array) -> list[tuple[int, int]]:
+    """Places of meetings at nearly the same time: one flight may have had one more before."""
+    if not (one.size and other.size):
+        return []
+    nearest = np.argmin(np.abs(one[:, None] - other), axis=1)
+    gap = np.diff(one, append=2.0 * one[-1] - (one[-2] if one.size > 1 else 0.0))
+    near = np.abs(one - other[nearest]) < ALIKE * gap
+    return [(k, int(nearest[k])) for k in np.flatnonzero(near).tolist()]
+
+
 def _apart(found: list[tuple[float, Approach]]) -> list[tuple[float, Approach]]:
     """The best ones, each of another direction than those before."""
     kept: list[tuple[float, Approach]] = []
@@ -151,7 +162,7 @@ def _apart(found: list[tuple[float, Approach]]) -> list[tuple[float, Approach]]:
     return kept
 
 
-def _aimed(between: Between, reversor: Reversor, ring: _Ring, angle: float, approach: Approach) -> Approach:
+def _aimed(between: Between, reversor: Reversor, ring: Ring, angle: float, approach: Approach) -> Approach:
     """The same with direction and time changed so that it comes nearer to the fixed space, as far as it does."""
     from scipy.optimize import least_squares
 
@@ -175,44 +186,6 @@ def _aimed(between: Between, reversor: Reversor, ring: _Ring, angle: float, appr
     if gap >= approach.gap or not 0.5 < better.x[-1] / approach.time < 2.0:
         return approach
     return Approach(gap, start(better.x), float(better.x[-1]), approach.rank)
-
-
-@dataclass(frozen=True, eq=False)
-class _Ring:
-    """Offsets, of length one along the slowest direction, from which trajectories part evenly when they are far away.
-
-    A faster direction of rate r begins with LEAVING^(r/slowest), so that all have grown alike at a distance of one.
-    """
-
-    basis: list[Array]
-
-    @classmethod
-    def of(cls, values: NDArray[np.complex128], vectors: NDArray[np.complex128]) -> _Ring:
-        order = np.argsort(values.real)
-        slowest = float(values[order[0]].real)
-        basis = []
-        for k in order:
-            if values[k].imag < 0.0:
-                continue
-            weight = float(elementary.pow(LEAVING, float(values[k].real) / slowest - 1.0))
-            parts = [vectors[:, k].real] if values[k].imag == 0.0 else [vectors[:, k].real, vectors[:, k].imag]
-            basis += [weight * part / np.linalg.norm(part) for part in parts]
-        return cls(basis)
-
-    @property
-    def is_circle(self) -> bool:
-        """Both senses of a line otherwise."""
-        return len(self.basis) > 1
-
-    @property
-    def angles(self) -> list[float]:
-        count = ANGLES if self.is_circle else 2
-        return [2.0 * np.pi * k / count for k in range(count)]
-
-    def offset(self, angle: float) -> Array:
-        """(n,)"""
-        along = float(elementary.cos(angle)) * self.basis[0]
-        return along + float(elementary.sin(angle)) * self.basis[1] if self.is_circle else along
 
 
 def half_of(path: Path, between: Between, reversor: Reversor, parameter: float) -> Profile:
