@@ -24,6 +24,7 @@ from contin.linalg.vectors import dot
 
 WITHIN: Final = (0.02, 0.1, 0.25, 0.5, 0.75)  # parts of the first step
 MANY: Final = 1000  # unknowns
+ROUNDED: Final = 1e-8  # relative change of a test that may be the error of eigenvalues that are found by iteration
 AHEAD: Final = 0.5  # cosine of the tangents at a point beyond an end and at the last row
 EXACT: Final = ("equilibrium", "fixed-point", "algebraic")  # kinds that are looked at beyond a bound for little
 
@@ -96,12 +97,18 @@ def _may_dip(here: Sample, row: Sample) -> bool:
 
 
 def _falls(stretch: Stretch, start: Sample, first: Sample, second: Sample) -> bool:
-    """True where the parabola through three rows' values of a test falls in size behind the first of them."""
+    """True where a test is lower at the start than at the first row, and falls in size behind it by the parabola of
+    three rows' values; by more than rounding: of what is planted or symmetric, multipliers do not move at all.
+    """
     if not start.tests.shape == first.tests.shape == second.tests.shape:
         return True
     h, k = stretch.distance(start, first), stretch.distance(start, second)
+    if not 0.0 < h < k:
+        return True
     a, b = (first.tests - start.tests) / h, (second.tests - start.tests) / k
-    return bool(np.any((a * k - b * h) / (k - h) * start.tests < 0.0)) if 0.0 < h < k else True
+    slopes, least = (a * k - b * h) / (k - h) * np.sign(start.tests), ROUNDED * np.abs(start.tests)
+    lower = (start.tests * first.tests > 0.0) & (np.abs(first.tests) - np.abs(start.tests) > least)
+    return bool(np.any(lower & (slopes * h < -least)))
 
 
 def _changes(a: Sample, b: Sample) -> bool:

@@ -19,7 +19,7 @@ from contin.continuation.sample import Chunk, Frame, Sample, opposite
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
-from contin.loci.augmented.curve_equations import TURNS, Bounds, Near
+from contin.loci.augmented.curve_equations import TURNS, Bounds, Held, Near
 from contin.loci.augmented.large_orbits import LargeOrbitBase
 from contin.loci.augmented.tests_of_large_orbits import curvature, graded
 from contin.loci.orbits import criticality
@@ -61,6 +61,15 @@ class LargeOrbitCurve(AugmentedCurve):
     critical: Fields = field(default_factory=dict)  # what `criticality` remembers
 
     adaptive = True
+
+    def effort(self) -> dict[str, int]:
+        """As of families."""
+        return self.base.problem.effort()
+
+    def near(self, z: Array, scale: Array, more: tuple[Held, ...] = ()) -> Near | None:
+        """As of every curve; what solves have learnt before, elsewhere, is left out, for answers depend on z alone."""
+        self.base.problem.memory.solvers = None
+        return super().near(z, scale, more)
 
     def measured_beside(self, type_: str, sample: Sample, frame: Frame) -> Sample:
         return criticality.beside_pole(self, type_, sample, frame.scale)

@@ -75,7 +75,7 @@ class LargeOrbitBase(Base):
             base = self.problem.base.copy()
             base[self.second] = latest.second = float(z[-2])
             latest.problem = self.problem.at_constants(base)
-            self.problem.memory.solvers = None  # factors of another value
+            self.problem.memory.leave()
         return latest.problem
 
     def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:

@@ -24,6 +24,7 @@ from contin.systems.functions.function_system import FunctionSystem
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
+    from contin.problems.large_orbits.linearised import Solvers
     from contin.problems.large_orbits.sweeps import Sweeps
 
 SHEARLESS: Final = 1e-7  # of the period's change across a fold, in units of the orbit's speed
@@ -164,11 +165,15 @@ class LargeCycle:
         return float(elementary.angle(self.multiplier))
 
     @cached_property
-    def sweeps(self) -> Sweeps:
-        found = self.problem.sweeps(self.z)
+    def solvers(self) -> Solvers:
+        found = self.problem.solvers(self.z)
         if found is None:
             raise np.linalg.LinAlgError("the equations are not finite on the orbit")
         return found
+
+    @property
+    def sweeps(self) -> Sweeps:
+        return self.solvers.sweeps
 
     @cached_property
     def orbit(self) -> Trajectory:
@@ -225,11 +230,7 @@ class LargeCycle:
         return self.problem.points.weighed(w)
 
     def first(self, w: Vector) -> Vector:
-        found = self.problem.points.jacobians(self._states, self.problem.full_parameters(self.z))
-        if found is None:
-            raise np.linalg.LinAlgError("the Jacobian is not finite on the orbit")
-        rows = w.reshape(-1, self.problem.n)
-        return np.array([J @ row for J, row in zip(found, rows, strict=True)]).reshape(w.shape)
+        return self.solvers.product(w)
 
     def slope_along(self, w: Vector, parameter: float) -> Vector:
         """A w + f_p parameter"""

@@ -217,12 +217,13 @@ class FromStarts(Layout):
     def sides(self, right: Array, n: int) -> tuple[Array | None, Jumps | None]:
         return None, dict(zip(self.starts, right.reshape(self.segments, n), strict=True))
 
-    def carried(self, sweeps: Sweeps, states: Array, right: Array) -> Array:
+    def carried(self, sweeps: Sweeps, states: Array, right: Callable[[], Array]) -> Array:
+        forced = right()
         rows = states.reshape(self.segments, -1)
         ends = [*self.starts[1:], len(sweeps.intervals)]
         parts = []
         for row, begin, end in zip(rows, self.starts, ends, strict=True):
-            parts.append(Sweeps(sweeps.intervals[begin:end], sweeps.n).along(row, right[begin:end]))
+            parts.append(Sweeps(sweeps.intervals[begin:end], sweeps.n).along(row, forced[begin:end]))
         return np.concatenate(parts)
 
     def finer(self) -> tuple[Layout, Callable[[Trajectory], Array] | None]:

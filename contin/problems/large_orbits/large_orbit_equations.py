@@ -9,7 +9,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from contin.abi import Array, Vector
+from contin.abi import Array
 from contin.continuation import corrector
 from contin.continuation.sample import Frame, Sample
 from contin.linalg.factor import Factoriser
@@ -42,6 +42,11 @@ class Memory:
     solvers: Solvers | None = None
     factoriser: Factoriser = field(default_factory=Factoriser)
     origin: Sample | None = None  # of the last march, well away from what it leads to
+
+    def leave(self) -> None:
+        """Constants have other values: factors serve no more, what solves with them have learnt does."""
+        if self.solvers is not None:
+            self.solvers = replace(self.solvers, z=np.full_like(self.solvers.z, np.nan))
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +174,7 @@ class LargeOrbitEquations(InOneParameterProblem):
         recycled = {} if memory.solvers is None else memory.solvers.recycled
         memory.solvers = None  # what takes so much memory is let go of before the next is made
         sweeps = Sweeps.of(found, orbit.period * orbit.h, memory.factoriser, self.source.mass)
-        memory.solvers = Solvers(z.copy(), orbit.h, sweeps, recycled=recycled)
+        memory.solvers = Solvers(z.copy(), orbit.h, sweeps, found, recycled=recycled)
         self.layout.remember(sweeps)
         return memory.solvers
 
@@ -181,24 +186,16 @@ class LargeOrbitEquations(InOneParameterProblem):
         slopes += [orbit.period * self.points.parameter_slopes(states, p, k).reshape(orbit.U.shape) for k in places]
         return np.asarray(np.einsum("ik,sjkn->sjin", A, np.array(slopes)) * orbit.h[:, None, None])
 
-    def image(self, z: Array, d: Vector) -> Vector | None:
-        """T h (A x J) d for d (N, 3, n), real or complex; None where an equation is not finite."""
-        orbit = self.profile(z)
-        if not np.all(np.isfinite(orbit.U)):
-            return None
-        found = self.points.jacobians(orbit.U.reshape(-1, self.n), self.full_parameters(z))
-        if found is None:
-            return None
-        moved = np.array([J @ row for J, row in zip(found, d.reshape(-1, self.n), strict=True)]).reshape(d.shape)
-        return np.asarray(orbit.period * orbit.h[:, None, None] * np.einsum("ik,jkn->jin", A, moved))
-
     def carried(self, z: Array, raw: Array) -> Array | None:
         """The change (N, 3, n) of the orbit at z that a change `raw` of (states, T, p) makes."""
         sweeps = self.sweeps(z)
         if sweeps is None:
             return None
-        by = np.einsum("k,kjin->jin", raw[-2:], self.by_scalars(z, (self.active,)))
-        return self.layout.carried(sweeps, raw[:-2], by)
+
+        def by_scalars() -> Array:
+            return np.asarray(np.einsum("k,kjin->jin", raw[-2:], self.by_scalars(z, (self.active,))))
+
+        return self.layout.carried(sweeps, raw[:-2], by_scalars)
 
     def at_constants(self, base: Array) -> Self:
         """The same family at other constants, with the same memory, patterns and colours."""

@@ -62,8 +62,8 @@ class Layout(ABC):
         """A right side of the equations (S,) as one of stages (N, 3, n), or as jumps between intervals."""
 
     @abstractmethod
-    def carried(self, sweeps: Sweeps, states: Array, right: Array) -> Array:
-        """The change of all points (N, 3, n) that a change (S,) of the unknowns and a right side of stages make."""
+    def carried(self, sweeps: Sweeps, states: Array, right: Callable[[], Array]) -> Array:
+        """The change of all points (N, 3, n) by one (S,) of the unknowns and a right side of stages, where it acts."""
 
     @abstractmethod
     def finer(self) -> tuple[Layout, Callable[[Trajectory], Array] | None]:
@@ -118,7 +118,7 @@ class OnPoints(Layout):
     def sides(self, right: Array, n: int) -> tuple[Array | None, Jumps | None]:
         return right.reshape(self.intervals, STAGES, n), None
 
-    def carried(self, sweeps: Sweeps, states: Array, right: Array) -> Array:
+    def carried(self, sweeps: Sweeps, states: Array, right: Callable[[], Array]) -> Array:
         return states.reshape(self.intervals, STAGES, -1)
 
     def finer(self) -> tuple[Layout, Callable[[Trajectory], Array] | None]:

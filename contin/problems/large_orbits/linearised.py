@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
+from scipy.sparse import csc_matrix
 
 from contin.abi import Array, Vector
 from contin.linalg.recycled import Recycled
@@ -29,9 +31,15 @@ class Solvers:
     z: Array
     h: Array  # lengths of the intervals
     sweeps: Sweeps
+    jacobians: Sequence[csc_matrix]  # at all points
     answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # to dT and dp, by places of parameters
     recycled: dict[int, Recycled] = field(default_factory=dict)  # by the number of conditions
     leading: Multipliers | None = None
+
+    def product(self, d: Vector) -> Vector:
+        """J d at all points, (N, 3, n), real or complex."""
+        rows = d.reshape(-1, d.shape[-1])
+        return np.array([J @ row for J, row in zip(self.jacobians, rows, strict=True)]).reshape(d.shape)
 
     def copy(self) -> Solvers:
         """The same factors with what is known now: a gauge, which does not learn from what is asked beside a march."""

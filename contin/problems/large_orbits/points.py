@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -14,6 +14,8 @@ from contin.abi import Array
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.records import Record
 from contin.systems.functions.function_system import FunctionSystem
+
+Apply = Callable[[Array], Array]  # v -> J v
 
 
 @runtime_checkable
@@ -69,6 +71,20 @@ class Points:
     def _matrix(self, u: Array, p: Array) -> csc_matrix | None:
         matrix: csc_matrix | None = self.system.attempt("Jacobian", lambda: self.source.matrix(u, p), None, u, p)
         return matrix
+
+    def products(self, u: Array, p: Array) -> Sequence[Apply] | None:
+        """v -> dF/du v, for a few v: no entries are made where the function gives products; None as above."""
+        model = self.system.model
+        if self._at_once is not None or (model.method == "sparse" and model.jacobian is not None):
+            matrices = self.jacobians(u, p)
+            return None if matrices is None else [J.__matmul__ for J in matrices]
+        found = [self._product(row, p) for row in u]
+        made = [product for product in found if product is not None]
+        return made if len(made) == len(found) else None
+
+    def _product(self, u: Array, p: Array) -> Apply | None:
+        made: Apply | None = self.system.attempt("Jacobian", lambda: self.source.product(u, p), None, u, p)
+        return made
 
     def parameter_slopes(self, u: Array, p: Array, k: int) -> Array:
         """dF/dp_k (K, n)."""

@@ -137,7 +137,7 @@ class JacobianSource:
 
         model = self.system.model
         if model.method != "sparse":
-            product = self._product(u, p)
+            product = self.product(u, p)
             matrix = self._probed.at(product, self.system.sizes_at(u))
             return entries(product, self.system.n) if matrix is None else matrix
         if model.jacobian is None:
@@ -190,7 +190,7 @@ class JacobianSource:
     # matrix-free ------------------------------------------------------------------------------------------------------
 
     def _matrix_free(self, u: Array, p: Array) -> Linear | None:
-        product = self.system.attempt("Jacobian", lambda: self._product(u, p), None, u, p)
+        product = self.system.attempt("Jacobian", lambda: self.product(u, p), None, u, p)
         if product is None:
             return None
         if self.system.model.preconditioner is not None:
@@ -202,7 +202,8 @@ class JacobianSource:
             return None
         return DirectLinear(matrix, self.factoriser, mass=self.mass)
 
-    def _product(self, u: Array, p: Array) -> Callable[[Array], Array]:
+    def product(self, u: Array, p: Array) -> Callable[[Array], Array]:
+        """v -> F_u v"""
         system, model, n = self.system, self.system.model, self.system.n
         if model.jacobian is None:
             padding = np.zeros(system.m)
