@@ -53,8 +53,8 @@ def smallest(mesh: OnMesh, x: Array, count: int = MOST_TOLD) -> SmallestValues:
         raise NotFiniteError("the equations are not finite near this point")
     v = np.linalg.qr(np.random.default_rng(8).normal(size=(mesh.n, count)))[0]
     for _ in range(3):
-        w = np.linalg.qr(np.column_stack([linear.factor.solve_transposed(each) for each in v.T]))[0]
-        v, grown = np.linalg.qr(np.column_stack([linear.factor.solve(each) for each in w.T]))
+        w = np.linalg.qr(linear.factor.solve_transposed(v))[0]
+        v, grown = np.linalg.qr(linear.factor.solve(w))
     return 1.0 / np.maximum(np.abs(np.diag(grown)), 1e-300), v
 
 

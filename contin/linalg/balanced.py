@@ -37,11 +37,9 @@ class Balanced:
     @classmethod
     def of(cls, matrix: csc_matrix, factoriser: Factoriser) -> Balanced:
         """Cost beside the factors: some passes over the entries."""
-        place = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
+        place, by_row, first = factoriser.places(matrix)
         rows, columns = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
         sizes = np.abs(matrix.data)
-        by_row = np.argsort(matrix.indices, kind="stable")
-        first = np.concatenate([[0], np.cumsum(np.bincount(matrix.indices, minlength=len(rows)))])
         for _ in range(SWEEPS):
             left = sizes * rows[matrix.indices] * columns[place]
             row_factors = _inverse_roots(_largest(left[by_row], first))
@@ -55,10 +53,11 @@ class Balanced:
         return cls(factoriser.factor(scaled), rows, columns)
 
     def solve(self, right: Vector) -> Vector:
-        return np.asarray(self.columns * self.inner.solve(self.rows * right))
+        """One right-hand side, or the columns of several."""
+        return np.asarray((self.columns * self.inner.solve((self.rows * right.T).T).T).T)
 
     def solve_transposed(self, right: Vector) -> Vector:
-        return np.asarray(self.rows * self.inner.solve_transposed(self.columns * right))
+        return np.asarray((self.rows * self.inner.solve_transposed((self.columns * right.T).T).T).T)
 
 
 def _largest(values: Array, first: NDArray[np.intp]) -> Array:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Vector
 from contin.linalg.lu import BandFactor, SingleFactor, SuperFactor, TridiagonalFactor
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 NARROW = 48  # half-bandwidth up to which a band is faster than SuperLU
+Places = tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]
 CONTRACTED = 0.05  # part of a residual that a solve with factors in single precision may leave
 
 
@@ -49,6 +51,7 @@ class Factoriser:
     _columns: Vector = field(default_factory=lambda: np.empty(0, int))
     _widths: tuple[int, int] | None = None  # lower and upper, where the matrix is a band
     _diagonals: tuple[tuple[Vector, Vector], ...] = ()  # entries and rows of each, where it is tridiagonal
+    _places: Places | None = None
 
     def is_band_for(self, matrix: csc_matrix) -> bool:
         """True where a reordering makes this matrix narrow, so that its factors are cheap."""
@@ -59,6 +62,17 @@ class Factoriser:
         """How many numbers the factors of this matrix hold where it is a narrow band; None where it is none."""
         self._learn(matrix)
         return None if self._widths is None else (2 * self._widths[0] + self._widths[1] + 1) * int(matrix.shape[0])
+
+    def places(self, matrix: csc_matrix) -> Places:
+        """The column of every entry; the entries by rows, and the first of each row among them."""
+        self._learn(matrix)
+        if self._places is None:
+            rows, (count, columns) = matrix.indices, matrix.shape
+            self._places = (
+                np.repeat(np.arange(columns), np.diff(matrix.indptr)), np.argsort(rows, kind="stable"),
+                np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))]),
+            )  # fmt: skip
+        return self._places
 
     def factor(self, matrix: csc_matrix) -> Factor:
         """LU factors of a scipy.sparse matrix in CSC form."""
@@ -101,7 +115,7 @@ class Factoriser:
         from scipy.sparse.csgraph import reverse_cuthill_mckee
 
         n = matrix.shape[0]
-        self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
+        self._pattern, self._places = (matrix.indptr.copy(), matrix.indices.copy()), None
         rows, columns = matrix.indices, np.repeat(np.arange(n), np.diff(matrix.indptr))
         self._order, self._widths = None, None
         widths = _widths(rows, columns)
