@@ -19,6 +19,8 @@ OF_BRANCHES: Final = frozenset(
     }
 )  # beside parameters, states and observables: what problems record of themselves
 STANDARD: Final = ("amplitude", "norm", "frequency")  # of orbits
+PARTS: Final = frozenset({"min", "max", "start", "end", "norm", "saddle", "saddle2", "cycle", "mean"})  # of a state
+SHOWN: Final = ("min", "max")  # of these, in a message
 OF_MANY: Final = frozenset({"norm", "min", "max"})  # in place of many states
 
 
@@ -42,7 +44,7 @@ def check_columns(
             continue
         if _mistake(name, model):
             advice = closest(name, [*named, "period"]) or column_mistake(name, model)
-            advice = advice or f"there are {', '.join(named[:30])}"
+            advice = advice or f"there are {', '.join(named[:30])}, and of a state its {', '.join(SHOWN)}"
             problems.add(path, f"there is no column {name!r}: {advice}")
 
 
@@ -65,5 +67,9 @@ def _mistake(formula: str, model: object) -> str:
 def _is_known(name: str, named: list[str]) -> bool:
     if name in named or name in OF_BRANCHES | OF_MANY:
         return True
-    # x.min, x.saddle, x.1: of orbits, connections, cycles of maps; u.max.min: of orbits of fields
-    return "." in name and (name.split(".")[0] in named or name.rpartition(".")[0] in named)
+    # x.min, x.saddle, x.cycle.min, x.1: of orbits, connections, cycles of maps; u.max.min: of orbits of fields
+    words = name.split(".")
+    return any(
+        ".".join(words[:k]) in named and all(word in PARTS or word.isdigit() for word in words[k:])
+        for k in range(1, len(words))
+    )

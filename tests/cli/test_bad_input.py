@@ -86,6 +86,7 @@ def message(tmp_path, capsys):
         ("name: line", "settings: {intervals: 2}", "settings.intervals: expected a number not below 3, got 2"),
         ("name: line", "settings: {max_angle: 90}", "settings.max_angle: expected a number below 90, got 90"),
         ("name: line", "values: {nu: 1}", "continuations[0].values.nu: there is no column 'nu': did you mean 'mu'"),
+        ("name: line", "extrema: [x1.maxx]", "there is no column 'x1.maxx'"),
         ("continuations:\n", "continuations: []\nx:\n", "unknown key"),
         (
             "contin: 1",
