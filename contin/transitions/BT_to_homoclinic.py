@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 INTERVALS = 60
 EPS = (0.1, 0.3, 0.03, 0.01, 0.003, 0.001)  # tried extents of the predicted orbit, relative to the states' sizes
 HALF_TIME = 6.0  # half of the time interval in units of the predicted orbit's own time
+NEAR = 0.5  # of the widths of the parameters' ranges: the first orbit is that near the point
 ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its prediction
 
 
@@ -54,11 +55,20 @@ def homoclinic_at_bogdanov_takens(problem: LocusProblem, point: SpecialPoint, pa
     for relative, predict in product(EPS, predictors):
         eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))
         try:
-            seed = _seed(compiled(problem), (first, second), predict(eps), parent)
+            predicted = predict(eps)
+            if not _is_near(predicted.p - p, problem, point):
+                continue
+            seed = _seed(compiled(problem), (first, second), predicted, parent)
         except (InputError, ZeroDivisionError, np.linalg.LinAlgError):  # by zero: a nearly degenerate point
             continue
         return [_away(seed, np.array([p[second], p[first]]), problem, parameters, point)]
     return []
+
+
+def _is_near(moved: Array, problem: LocusProblem, point: SpecialPoint) -> bool:
+    """Whether parameters `moved` that far from the point are within `NEAR` of it, where their widths are known."""
+    places = [problem.curve.first, problem.curve.second]
+    return bool(np.all(np.abs(moved[places]) <= NEAR * np.asarray(point.scale[[-1, -2]])))
 
 
 @dataclass(frozen=True, eq=False)
