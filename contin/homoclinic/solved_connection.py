@@ -45,7 +45,7 @@ def solved_connection(curve: ConnectionCurve, arc: Profile, ends: Array, q: floa
         solved = problem.at_held(z, scale)
         if solved is None and not problem.isolated:  # orbits that the first parameter does not move
             solved = problem.at_unknown(-1, z, arc.parameter, scale)
-        if solved is None:
+        if solved is None and problem.isolated:  # (else a parameter may go anywhere)
             near = _from_afar(problem, z, scale)
             solved = None if near is None else problem.at_held(near, scale)
         if solved is None:
@@ -70,7 +70,7 @@ def _from_afar(problem: ConnectionProblem, z: Array, scale: Array) -> Array | No
     connections or nowhere. None where `LONG` steps do not become small.
     """
     fixed = np.zeros(z.size)
-    fixed[-1 if problem.isolated else -2] = 1.0
+    fixed[-1] = 1.0
     u = problem.curve.profile(z).u
     extent = np.tile(np.ptp(u, axis=0), len(u))
     extent[extent == 0.0] = np.inf  # a state at rest limits no step

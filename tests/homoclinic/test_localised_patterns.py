@@ -41,6 +41,7 @@ def by_cosines(r, sign, length=60.0, count=192):
     return fine.max(), fine.min()
 
 
+@pytest.mark.seldom
 def test_a_pulse_that_turns_many_times_is_found_from_nothing():
     start = contin.connection(pattern(-0.1), {"u": 0}, reversor=EVEN)
     branch = contin.continuation(start, "r", (-0.11, -0.09), values={"r": [-0.1]}, settings={"steps": 3})

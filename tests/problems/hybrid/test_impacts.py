@@ -43,6 +43,7 @@ def test_the_family_ends_at_the_orbit_that_grazes_to_the_stated_error(family):
     assert abs(end.data["at"]["F"] - grazes) <= end.data["error"] < 1e-3
 
 
+@pytest.mark.seldom
 def test_one_impact_in_two_periods_ends_at_the_same_orbit_and_every_row_closes():
     """Beside the graze, where the multiplier is 1e5, rows are orbits, and multipliers have Liouville's product.
 
