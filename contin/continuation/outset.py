@@ -111,7 +111,8 @@ class Birth:
         if seed.measured is None:
             return None
         unstable, values = seed.measured
-        return cls._told(unstable, values, seed.problem.kind in MULTIPLIERS, counted=False)
+        multipliers = seed.problem.kind in MULTIPLIERS or seed.problem.of_special_orbits
+        return cls._told(unstable, values, multipliers, counted=False)
 
     @classmethod
     def _told(cls, unstable: int, values: NDArray[np.complex128], multipliers: bool, counted: bool) -> Birth:

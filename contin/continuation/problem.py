@@ -110,6 +110,7 @@ class Problem(ABC):
     adaptive = False  # its unknowns change their meaning along a branch: a mesh that follows the solution
     may_stand = False  # it knows that its parameter may be constant along a branch, and what ends that then
     multiplied_out = False  # multipliers of orbits are those of one matrix: beside a large one others are rounding
+    of_special_orbits = False  # a curve of orbits: the eigenvalues that it measures are multipliers
     parts_touching = False  # it tells branches apart that touch, where Newton's method does not (`beyond`)
 
     if TYPE_CHECKING:  # fields of one problem, properties of another

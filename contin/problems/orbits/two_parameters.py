@@ -129,6 +129,8 @@ class OrbitCurveProblem(OnAdaptiveMesh, TwoParameterProblem):
 class OfPeriodicOrbits(OrbitCurveProblem):
     """`curve` is a `CurveOfPeriodicOrbits`."""
 
+    of_special_orbits = True
+
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         first, second = self.widths(z, bounds)
         own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contin
+from contin.continuation.outset import Birth
 from contin.model.model import Model
 from tests.loci.equilibria.planes import BAUTIN, DOUBLE_HOPF, amplitude, curves_through
 from tests.problems.orbits.test_families import cycles, labels
@@ -140,6 +141,9 @@ def test_branch_points_of_cycles_that_a_symmetry_forces_are_followed():
 def test_tori_leave_a_double_hopf_point_along_the_lines_of_the_normal_form():
     """Cycles |w|^2 = p - q/2 with q + p/4 = 2 (p - q/2), and |v|^2 = q + p/4 with p - q/2 = 3 (q + p/4)."""
     hopf = DOUBLE_HOPF.curve("HB1")
+    for seed in hopf["HH1"].locus(("p", "q")):
+        if seed.problem.locus == "NS":
+            assert Birth.of(seed).critical == 4  # multipliers, all of modulus 1
     tori = curves_through(hopf["HH1"], orbits=True)
     slopes = sorted(np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] for branch in tori)
     assert slopes == pytest.approx(sorted([7 / 8, 1 / 14]), abs=1e-8)
