@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 
+TURN: Final = 0.6  # radians
+MOST: Final = 200  # intervals
 CRITICAL: Final = {"GH": 2, "ZH": 3, "HH": 4}  # eigenvalues on the imaginary axis
 
 
@@ -66,9 +68,9 @@ def seed_of_cycles(
     further, further2 : the further unknown at the point, and its second derivative by rho.
     """
     n, m = len(place.u), Settings().points
-    h = np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS)
-    period = 2.0 * np.pi / cycles.omega
-    rest = Profile(m, np.tile(place.u, (HOPF_INTERVALS * m + 1, 1)), period, h, float(place.p[place.first]))
+    period = float(2.0 * np.pi / cycles.omega)
+    h = mesh_at(point, period)
+    rest = Profile(m, np.tile(place.u, (len(h) * m + 1, 1)), period, h, float(place.p[place.first]))
     phases = 2.0 * np.pi * rest.times
     first = 2.0 * (elementary.exp(1j * phases)[:, None] * cycles.q).real
     second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
@@ -85,8 +87,21 @@ def seed_of_cycles(
     d, k = d / norm, k / elementary.square(norm)
     k = k - float(k @ d) * d
     z = curve.join(rest.vector(), float(place.p[place.second]), further)
-    parent, beside = Parent(point.branch, point.label), measured(point, float(cycles.omega), float(period))
+    parent, beside = Parent(point.branch, point.label), measured(point, float(cycles.omega), period)
     return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent, measured=beside)
+
+
+def mesh_at(point: SpecialPoint, period: float) -> Array:
+    """Even intervals in which the fastest critical eigenvalue turns by no more than `TURN`.
+
+    The error of the collocated angle, some (turn)^9 / 3e7 an interval, is one of the further unknown, and where it is
+    more than the first steps' length the curve has no second point.
+    """
+    values = np.asarray(point.eigenvalues, dtype=complex)
+    critical = values[np.argsort(np.abs(values.real))][: CRITICAL.get(point.type, 2)]
+    turns = int(np.ceil(period * float(np.abs(critical.imag).max(initial=0.0)) / TURN))
+    count = min(max(turns, HOPF_INTERVALS), MOST)
+    return np.full(count, 1.0 / count)
 
 
 def measured(point: SpecialPoint, omega: float, period: float) -> tuple[int, NDArray[np.complex128]]:

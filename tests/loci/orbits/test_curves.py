@@ -10,7 +10,7 @@ import pytest
 import contin
 from contin.continuation.outset import Birth
 from contin.model.model import Model
-from tests.loci.equilibria.planes import BAUTIN, DOUBLE_HOPF, amplitude, curves_through
+from tests.loci.equilibria.planes import BAUTIN, DOUBLE_HOPF, Plane, amplitude, curves_through
 from tests.problems.orbits.test_families import cycles, labels
 
 
@@ -153,6 +153,15 @@ def test_tori_leave_a_double_hopf_point_along_the_lines_of_the_normal_form():
         ratio = 2.3 if np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] > 0.5 else 1 / 2.3
         # to the last Newton correction (1e-9) of orbits that begin with the size zero, where theta is determined least
         np.testing.assert_allclose(branch.columns["cos.theta"], cos(2 * pi * ratio), rtol=0.0, atol=2e-7)
+
+
+def test_tori_of_frequencies_far_apart_leave_a_double_hopf_point():
+    """With frequencies 1 and 7.3 twenty intervals a period have the faster one wrong by more than a first step."""
+    fast = amplitude("w2", "w3", "q + 0.25*p - 2*(w0^2 + w1^2) - (w2^2 + w3^2)", "7.3")
+    hopf = Plane((*DOUBLE_HOPF.field[:2], *fast), DOUBLE_HOPF.start, DOUBLE_HOPF.at).curve("HB1")
+    tori = curves_through(hopf["HH1"], orbits=True, settings={"steps": 6})
+    slopes = sorted(np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] for branch in tori)
+    assert slopes == pytest.approx(sorted([7 / 8, 1 / 14]), abs=1e-7)
 
 
 def test_a_curve_of_folds_turns_round_at_a_generalised_hopf_point_without_a_cusp():
