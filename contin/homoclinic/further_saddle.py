@@ -14,8 +14,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.machine import elementary
 from contin.problems.orbits.ends.distances import distances, extent_of
+from contin.problems.orbits.ends.passage import NEAR, beside
 from contin.problems.orbits.ends.saddles import Saddle, equilibrium_near, rounded
 from contin.problems.orbits.march.slow_passage import slow_intervals, speeds
 from contin.problems.orbits.mesh.layout import Profile
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from contin.homoclinic.curve_of_connections import CurveOfConnections
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-NEAR: Final = 0.05  # of its extent: an orbit this close to a saddle moves as the linearised equations say
 CLOSE: Final = 1e-4  # ... where the corrector fails: the equations are regular to a part of what remains
 
 
@@ -41,10 +40,10 @@ def further_saddle(
         return None
     profile, orbits = curve.orbit_of(z), curve.at(z)
     for saddle in _met(orbits, profile, sizes):
-        beside = _beside(orbits, profile, saddle, sizes)
-        comes_closer = beside < _beside(orbits, curve.orbit_of(before), saddle, sizes)
-        if beside < (CLOSE if failed else orbits.tolerance) and (comes_closer or failed):
-            return _end(problem, z, saddle, beside, scale, sizes)
+        off = _beside(orbits, profile, saddle, sizes)
+        comes_closer = off < _beside(orbits, curve.orbit_of(before), saddle, sizes)
+        if off < (CLOSE if failed else orbits.tolerance) and (comes_closer or failed):
+            return _end(problem, z, saddle, off, scale, sizes)
     return None
 
 
@@ -70,11 +69,7 @@ def _met(orbits: OrbitEquations, profile: Profile, sizes: Array) -> list[Saddle]
 
 
 def _beside(orbits: OrbitEquations, profile: Profile, saddle: Saddle, sizes: Array) -> float:
-    """exp(-min(r, s) t) of the passage that makes least of it; 1 where there is none.
-
-    One of length t_in + t_out with the closest distance d, both sides of which begin at `NEAR`, has the rates
-    log(NEAR / d) / t_in and log(NEAR / d) / t_out.
-    """
+    """exp(-min(r, s) t) of the closest passage: one alone parts the orbit in two. 1 where there is none."""
     gaps = distances(orbits, saddle.u, profile.u, sizes) / extent_of(profile, sizes)
     times = profile.times * profile.period
     away = np.flatnonzero(gaps > NEAR)
@@ -84,20 +79,19 @@ def _beside(orbits: OrbitEquations, profile: Profile, saddle: Saddle, sizes: Arr
             continue
         closest = left + 1 + int(np.argmin(gaps[left + 1 : right]))
         sides = float(times[closest] - times[left]), float(times[right] - times[closest])
-        decades = float(elementary.log(NEAR / max(float(gaps[closest]), np.finfo(float).tiny)))
-        least = min(least, float(elementary.exp(-decades / max(sides) * sum(sides))))
+        least = min(least, beside(float(gaps[closest]), sides))
     return least
 
 
-def _end(problem: CurveOfConnections, z: Array, saddle: Saddle, beside: float, scale: Array, sizes: Array) -> End:
+def _end(problem: CurveOfConnections, z: Array, saddle: Saddle, off: float, scale: Array, sizes: Array) -> End:
     state = dict(zip(problem.system.state_names, rounded(saddle.u, sizes).tolist(), strict=True))
     own = any(float(np.max(np.abs(saddle.u - end) / sizes)) < 1e-6 for end in problem.curve.equilibria(z))
     values = {name: float(problem.parameter_columns(z[None])[name][0]) for name in problem.parameters}
-    data: Fields = {"at": values, "error": beside * float(scale[-1]), "saddle": state}
+    data: Fields = {"at": values, "error": off * float(scale[-1]), "saddle": state}
     data |= {"eigenvalues": saddle.eigenvalues, "saddle_quantity": saddle.quantity}
     place = ", ".join(f"{name} = {value:.8g}" for name, value in state.items())
     text = (
         f"the orbit stays ever longer near {'its' if own else 'a further'} saddle ({place}) on its way: from "
-        f"{problem.place(z)} on it cannot be told from two connecting orbits in turn ({beside:.0e} of the scales away)"
+        f"{problem.place(z)} on it cannot be told from two connecting orbits in turn ({off:.0e} of the scales away)"
     )
     return End("homoclinic" if own else "heteroclinic", text, data)

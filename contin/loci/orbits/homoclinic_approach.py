@@ -16,9 +16,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.machine import elementary
 from contin.problems.orbits.ends.distances import distances, extent_of
 from contin.problems.orbits.ends.ends import LINGERING
+from contin.problems.orbits.ends.passage import NEAR, beside
 from contin.problems.orbits.ends.saddles import Saddle, rounded, saddles_near
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.layout import Profile
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
     from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
-NEAR: Final = 0.05  # of its extent: an orbit this close to its saddle moves as the linearised equations say
 CLOSE: Final = 1e-4  # ... where the corrector fails: special orbits are regular to a part of what remains
 
 
@@ -48,17 +47,13 @@ def approached(problem: OfPeriodicOrbits, z: Array, before: Array, scale: Array,
     saddles = saddles_near(orbits, profile, sizes)
     if not saddles:
         return None
-    beside = _beside(orbits, profile, saddles, sizes)
+    off = _beside(orbits, profile, saddles, sizes)
     limit = CLOSE if failed else orbits.resolution
-    return _end(problem, z, profile.period, saddles, beside, scale, sizes) if beside < limit else None
+    return _end(problem, z, profile.period, saddles, off, scale, sizes) if off < limit else None
 
 
 def _beside(orbits: FamilyOfOrbits, profile: Profile, saddles: list[Saddle], sizes: Array) -> float:
-    """exp(-min(r, s) t) of the passage that makes least of it; 1 where there is none.
-
-    One of length t_in + t_out with the closest distance d, both sides of which begin at `NEAR`, has the rates
-    log(NEAR / d) / t_in and log(NEAR / d) / t_out.
-    """
+    """exp(-min(r, s) t) of the passage that makes least of it; 1 where there is none."""
     extent = extent_of(profile, sizes)
     gaps = np.min([distances(orbits, s.u, profile.u[:-1], sizes) for s in saddles], axis=0) / extent
     outside = np.flatnonzero(gaps > NEAR)
@@ -75,13 +70,12 @@ def _beside(orbits: FamilyOfOrbits, profile: Profile, saddles: list[Saddle], siz
         closest = left + 1 + int(np.argmin(gaps[left + 1 : right]))
         after = profile.period if right == len(gaps) else float(times[right])
         sides = float(times[closest] - times[left]), after - float(times[closest])
-        decades = float(elementary.log(NEAR / max(float(gaps[closest]), np.finfo(float).tiny)))
-        largest = max(largest, float(elementary.exp(-decades / max(sides) * sum(sides))))
+        largest = max(largest, beside(float(gaps[closest]), sides))
     return largest or 1.0
 
 
 def _end(
-    problem: OfPeriodicOrbits, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array,
+    problem: OfPeriodicOrbits, z: Array, period: float, saddles: list[Saddle], off: float, scale: Array,
     sizes: Array
 ) -> End:  # fmt: skip
     first, second = problem.parameters
@@ -95,7 +89,7 @@ def _end(
         }
         for s in saddles
     ]
-    data: Fields = {"at": {first: float(z[-1]), second: float(z[-2])}, "error": beside * float(scale[-1])}
+    data: Fields = {"at": {first: float(z[-1]), second: float(z[-2])}, "error": off * float(scale[-1])}
     if len(saddles) == 1:
         data |= {"saddle": found[0]["state"], "passes": saddles[0].visits}
         data |= {k: found[0][k] for k in ("eigenvalues", "saddle_quantity")}
@@ -104,6 +98,6 @@ def _end(
     places = ", ".join("(" + ", ".join(f"{k} = {v:.8g}" for k, v in s["state"].items()) + ")" for s in found)
     text = (
         f"the period grows without bound (here {period:.6g}): from {problem.place(z)} on the curve cannot be told from "
-        f"that of {kind} orbits ({beside:.0e} of the scales away), saddle{'s' if len(saddles) > 1 else ''} {places}"
+        f"that of {kind} orbits ({off:.0e} of the scales away), saddle{'s' if len(saddles) > 1 else ''} {places}"
     )
     return End(kind, text, data)
