@@ -81,7 +81,7 @@ def torus(
     ends = (End("start", f"born at {point.branch}.{point.label}"), end_of(stop, varied))
     return torus_branch(
         name, strobe, metric, [first, *rows], ends, computing_time() - began,
-        parent=Parent(point.branch, point.label), unstable=float(point.values["unstable"]),
+        parent=Parent.of(point), unstable=float(point.values["unstable"]),
     )  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from contin.continuation.outcome import Corner, Jump, Verified
 from contin.continuation.problem import Problem, Renewal, in_two_parameters
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
+from contin.continuation.sentence import Sentence
 from contin.continuation.turning_off import CROSSED, turned_at_once
 from contin.linalg.vectors import dot, norm
 from contin.special.table import special_type
@@ -150,12 +151,12 @@ class Arm:
         if not in_two_parameters(self.problem):
             return segment
         rows = self.zeros.passed(chunk, segment.found)
-        notes = [f"{LOST_IN_ROUNDING} near {self.course.position(chunk.z[row])}" for row in rows]
+        notes = [Sentence.near(self.course.problem, chunk.z[row], LOST_IN_ROUNDING) for row in rows]
         hiding = segment.hiding + len(notes)
         last = len(chunk) - (chunk.stop is Stop.BOUND)  # where a step ends beyond a bound, they may cross there
         crossed = sorted({*chunk.crossed, *turned_at_once(chunk.tangents, chunk.lengths)})
         rows = [row for row in crossed if row < last and not self._is_labelled(chunk, row)]
-        notes += [f"{CROSSED} near {self.course.position(chunk.z[row])}" for row in rows]
+        notes += [Sentence.near(self.course.problem, chunk.z[row], CROSSED) for row in rows]
         return replace(segment, notes=(*segment.notes, *notes), hiding=hiding) if notes else segment
 
     def _is_labelled(self, chunk: Chunk, row: int) -> bool:
@@ -255,15 +256,12 @@ class Arm:
             notes=(*rows.notes, *self._skipped(mark.point.z, sample.z)),
         ), sample  # fmt: skip
 
-    def _skipped(self, z: Array, beyond: Array) -> list[str]:
+    def _skipped(self, z: Array, beyond: Array) -> list[Sentence]:
         """A note for user values between two points of the branch between which it is not followed."""
         ends = np.array([z, beyond])
         spans = [(t, t.values(self.problem, ends) - t.value) for t in self.course.targets if isinstance(t, Target)]
-        return [
-            f"{t.column} = {t.value:.10g} is not labelled: two branches touch near there and cannot be told apart"
-            for t, (a, b) in spans
-            if a * b < 0.0
-        ]
+        why = "is not labelled: two branches touch near there and cannot be told apart"
+        return [Sentence(f"{t.column} = {t.value:.10g} {why}") for t, (a, b) in spans if a * b < 0.0]
 
     def _looked_at(
         self, chunk: Chunk, before: Sample | None, event: Behind | None
@@ -313,7 +311,8 @@ class Arm:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)
         rest, ready = self._shortened(rest, before)
-        return ready[0], End("corrector", f"after {self.course.position(rest.z[-1])}, {errors[0]}")
+        text = f"after {self.course.position(rest.z[-1])}, {errors[0]}"
+        return ready[0], End("corrector", text, defect=True)
 
     def _measure_in(self, scale: Array, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
         """Take another metric from here on."""
@@ -352,7 +351,7 @@ class Arm:
             crossed = self.problem.cross_corner(before, frame, course.settings) or crossed
         beyond, point = crossed
         marks: tuple[Row, ...] = ()
-        notes: tuple[str, ...] = ()
+        notes: tuple[Sentence, ...] = ()
         corners: tuple[int, ...] = ()
         if isinstance(point, Verified):
             if not course.is_known(point, self.scale):
@@ -360,12 +359,12 @@ class Arm:
                 marks = (Row(1, 0.0, point, beyond.tangent),)
         elif isinstance(point, Corner):
             turns = beyond.tangent[-1] * chunk.tangents[-1][-1] < 0.0
-            notes = (f"{TURNS if turns else BENDS} near {course.position(point.z)}",)
+            notes = (Sentence.near(course.problem, point.z, TURNS if turns else BENDS),)
             corners = (1,) if turns else ()
         elif chunk.unstable[-1] != beyond.unstable and isinstance(point, Jump) and point.at is not None:
-            notes = (f"at {course.position(point.at)}, {point.text}",)
+            notes = (Sentence(f"at {course.position(point.at)}, {point.text}"),)
         elif chunk.unstable[-1] != beyond.unstable:
-            notes = (f"{JUMPS} near {course.position(beyond.z)}",)
+            notes = (Sentence(JUMPS, course.position(beyond.z), corner=True),)
         jumps = corners if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)
         return beyond, replace(Segment.single(beyond, self.scale), found=marks, notes=notes, jumps=jumps)
 

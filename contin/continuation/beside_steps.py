@@ -14,6 +14,7 @@ from contin.continuation.location.found import Found, Note
 from contin.continuation.location.isolate import next_to_event
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.segment import Row
+from contin.continuation.sentence import Sentence
 from contin.kernels.steering import is_dip
 
 NEIGHBOURS: Final = 5  # rows beside an event's step that are looked at
@@ -35,7 +36,7 @@ def low_beside(course: Course, chunk: Chunk, event: Behind, forward: bool) -> se
     return {near for k in dips for near in ((k - 1, k) if forward else (k, min(k + 1, last)))}
 
 
-def at_beginning(course: Course, chunk: Chunk, frame: Frame, last: Sample) -> tuple[list[Row], list[str], int]:
+def at_beginning(course: Course, chunk: Chunk, frame: Frame, last: Sample) -> tuple[list[Row], list[Sentence], int]:
     """What the first step hides behind tests that are low at the start; see `in_steps`."""
     stretch = Stretch(course.problem, chunk.sample(0), frame, course.settings)
     rows = [*(chunk.sample(k) for k in range(1, min(len(chunk) - 1, 3))), last]
@@ -45,7 +46,7 @@ def at_beginning(course: Course, chunk: Chunk, frame: Frame, last: Sample) -> tu
 
 def in_steps(
     course: Course, chunk: Chunk, frame: Frame, event: Behind, rows: set[int], forward: bool = True
-) -> tuple[list[Row], list[str], int]:
+) -> tuple[list[Row], list[Sentence], int]:
     """What the steps beyond these rows hide, seen from an event nearby; notes, and how many say that it may."""
     items: list[tuple[int, Found | Note]] = []
     for k in sorted(rows):
@@ -59,12 +60,12 @@ def in_steps(
 
 def _kept(
     course: Course, frame: Frame, items: Sequence[tuple[int, Found | Note]]
-) -> tuple[list[Row], list[str], int]:  # fmt: skip
+) -> tuple[list[Row], list[Sentence], int]:  # fmt: skip
     """Of what lies before these rows, the points that are not labelled yet (they are from now on); notes; see above."""
     found, notes, hiding = [], [], 0
     for row, item in items:
         if isinstance(item, Note):
-            notes.append(item.text)
+            notes.append(item.said)
             hiding += item.hides
         elif not course.is_known(item.point, frame.scale):
             course.known.append(item.point)

@@ -34,6 +34,7 @@ class End:
     reason: str
     text: str
     data: Record = field(default_factory=dict)
+    defect: bool = False  # an error that contin did not foresee
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,10 +109,15 @@ class LocusStart:
 
 @dataclass(frozen=True, eq=False)
 class Parent:
-    """The point a branch was born at."""
+    """The point a branch was born at; its type is not known where the branch was read from a file."""
 
     branch: str
     label: str
+    type: str = ""
+
+    @classmethod
+    def of(cls, point: SpecialPoint) -> Parent:
+        return cls(point.branch, point.label, point.type)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +158,7 @@ class Branch:
     born_at: tuple[str, ...] = ()  # in a diagram: types of the points that its ancestors and it were born at
     free: tuple[str, ...] = ()  # parameters that are solved for, under conditions
     unexplained: int = 0  # changes of `unstable` that no label explains, events not told apart; each has its note
+    defects: tuple[str, ...] = ()  # those of the notes that tell of errors which contin did not foresee
     jumped: int = 0  # changes of `unstable` without a label where the equations jump, which their notes say
     kept: Mapping[int, Mapping[str, Vector]] = field(default_factory=dict)  # of one from a file: orbits by row
     described: Record | None = None  # of one from a file, which has no problem: its model in words and numbers

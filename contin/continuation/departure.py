@@ -23,6 +23,7 @@ from contin.continuation.outset import oriented, passed_over, set_out
 from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
+from contin.continuation.sentence import Sentence
 from contin.continuation.settings import Settings
 from contin.continuation.start_in_ranges import leaves_at_once, with_rounding, within_further_ranges
 from contin.errors import InputError, NotFiniteError
@@ -49,7 +50,7 @@ class Departure:
     start: Sample
     here: list[Found]
     known: list[Verified]  # points that are labelled already, shared by both arms
-    notes: tuple[str, ...] = ()  # what could not be told at the start
+    notes: tuple[Sentence, ...] = ()  # what could not be told at the start
 
     def arm(
         self, sense: int, targets: Sequence[Wanted] = (), march: Callable[..., Chunk] | None = None
@@ -85,7 +86,7 @@ class Departure:
         """The row of a branch that is born, with a note of what may have happened before it."""
         row = Segment.single(origin, self.scale)
         passed = passed_over(self.seed, origin, sense, self.scale)
-        return replace(row, notes=(*row.notes, passed), hiding=row.hiding + 1) if passed else row
+        return row if passed is None else replace(row, notes=(*row.notes, passed), hiding=row.hiding + 1)
 
     @property
     def _turns_here(self) -> bool:
@@ -137,7 +138,7 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
     departure = Departure(seed, bounds, settings, scale, start, here, known)
     seen = [*seen, *(_up_to_arms(departure, *edges) if here and edges else ())]
-    notes = (*seed.remarks, *(item.text for item in seen if isinstance(item, Note)))
+    notes = (*(Sentence(text) for text in seed.remarks), *(item.said for item in seen if isinstance(item, Note)))
     return replace(departure, notes=notes)
 
 

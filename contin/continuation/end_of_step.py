@@ -22,6 +22,7 @@ from contin.continuation.location.isolate import isolate, next_to_event
 from contin.continuation.location.sameness import offset, same_point
 from contin.continuation.outcome import Verified
 from contin.continuation.sample import Chunk, Sample, Stop
+from contin.continuation.sentence import Sentence
 from contin.linalg.vectors import dot, norm
 
 NEXT_TO: Final = 1e-6  # scaled: how near to a labelled point its test is nothing but rounding
@@ -42,7 +43,7 @@ class LastStep:
     ending: bool = False  # no further step is allowed
     end: End | None = None
     found: list[Found] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    notes: list[Sentence] = field(default_factory=list)
     jumps: list[float] = field(default_factory=list)  # arclengths, see `Note.jump`
     hiding: int = 0  # see `Note.hides`
     again: int = 1  # steps to be repeated, where what happened is not explained
@@ -75,7 +76,7 @@ class LastStep:
             return False
         for item, _ in items:
             if isinstance(item, Note):
-                self.notes.append(item.text)
+                self.notes.append(item.said)
                 self.jumps += [] if item.jump is None else [item.jump]
                 self.hiding += item.hides
             else:

@@ -18,6 +18,7 @@ from contin.continuation.location.found import Found, Note
 from contin.continuation.location.targets import hits
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.segment import Row, Segment
+from contin.continuation.sentence import Sentence
 from contin.linalg.vectors import dot, norm
 
 
@@ -45,7 +46,7 @@ def resolve(
         evaluations=chunk.evaluations,
     )  # fmt: skip
     marked: list[Row] = []
-    notes: list[str] = []
+    notes: list[Sentence] = []
     hiding = 0
     end: End | None = None
     if rows > 1 and event is not None:
@@ -96,12 +97,12 @@ def _row(found: Found, chunk: Chunk, scale: Array) -> Row:
 
 def _user_values(
     course: Course, chunk: Chunk, segment: Segment, frame: Frame, marked: Sequence[Row]
-) -> tuple[list[Row], list[str]]:
+) -> tuple[list[Row], list[Sentence]]:
     """User values and extrema that are not labelled already (they are from now on), and notes of those not verified."""
     rows, notes = [], []
     for row in hits(course.targets, course.problem, chunk, segment.z, frame, course.settings, marked):
         if isinstance(row, Note):
-            notes.append(row.text)
+            notes.append(row.said)
             continue
         kept = _within(course, chunk, segment, frame, row)
         if kept is not None and not course.is_known(kept.point, frame.scale):

@@ -40,6 +40,7 @@ class Rejected:
 
     reason: str
     suspect: bool = False
+    defect: bool = False  # looking for it ended with an error that contin did not foresee
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,9 @@ NOTHING: Final = Nothing()
 Outcome = Verified | Rejected | Nothing
 
 
-def unverified(type_: str, reason: str) -> Rejected:
+def unverified(type_: str, reason: str, defect: bool = False) -> Rejected:
     """The defining system of `type_` has no solution there."""
-    return Rejected(f"{type_} not verified: {reason}", suspect=True)
+    return Rejected(f"{type_} not verified: {reason}", suspect=True, defect=defect)
 
 
 class Failure(Enum):

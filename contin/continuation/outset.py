@@ -20,6 +20,7 @@ from contin.continuation.location.bounds import walls_passed
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
+from contin.continuation.sentence import Sentence
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 
@@ -77,18 +78,19 @@ def set_out(
     return _first_alike(beside, ladder, born, problem, bounds)
 
 
-def passed_over(seed: Seed, origin: Sample, sense: int, scale: Array) -> str:
-    """In words, what is known to have happened between the start and an arm's first sample; else empty."""
+def passed_over(seed: Seed, origin: Sample, sense: int, scale: Array) -> Sentence | None:
+    """What is known to have happened between the start and an arm's first sample; None where nothing is."""
     nearer = "nearer to the start than the branch can be followed from there"
     where = f"{seed.problem.parameters[0]} = {seed.z[-1]:.10g}"
     slope = 0.0 if seed.direction is None or _turn(seed, sense, scale) is None else sense * float(seed.direction[-1])
     if slope * float(origin.tangent[-1]) < 0.0:
-        return f"a fold {nearer} is not labelled near {where}"
+        return Sentence(f"a fold {nearer} is not labelled", where)
     born = Birth.of(seed)
     if born is not None and not born.allows(origin):
         counts = f"unstable is {born.unstable} at the start and {origin.unstable} next to it"
-        return f"{counts}, for which critical eigenvalues do not account: a bifurcation {nearer} near {where}"
-    return ""
+        text = f"{counts}, for which critical eigenvalues do not account: a bifurcation {nearer}"
+        return Sentence(text, where)
+    return None
 
 
 @dataclass(frozen=True, eq=False)

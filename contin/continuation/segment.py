@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.outcome import Verified
 from contin.continuation.sample import Sample
+from contin.continuation.sentence import Sentence
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +35,7 @@ class Segment:
     eigenvalues: NDArray[np.complex128]
     scale: Array
     found: tuple[Row, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[Sentence, ...] = ()
     jumps: tuple[int, ...] = ()  # numbers of rows, as of `Row.before`: unstable values change before them, see `Jump`
     hiding: int = 0  # notes that say that events may not have been told apart
     evaluations: int = 0

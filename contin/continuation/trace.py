@@ -15,7 +15,7 @@ from contin.continuation.arm import Arm
 from contin.continuation.at_start import found_at_start
 from contin.continuation.both_ways import far_end, lies_between, meeting
 from contin.continuation.branch import Branch, End, SpecialPoint
-from contin.continuation.defects import DEFECT, contained
+from contin.continuation.defects import contained
 from contin.continuation.departure import Departure, depart
 from contin.continuation.ends.asked import until_asked
 from contin.continuation.ends.closed import until_closed
@@ -33,12 +33,12 @@ from contin.continuation.gone_over_on_meshes import gone_over_on_meshes
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
-from contin.continuation.position import elsewhere, position
 from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.rows import Rows
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.seed import Seed
 from contin.continuation.segment import Segment
+from contin.continuation.sentence import Sentence, distinct
 from contin.continuation.settings import Settings
 from contin.continuation.uncounted import uncounted, uncounted_note
 from contin.errors import NoSolutionError, NotFiniteError
@@ -118,8 +118,8 @@ def trace(
         records[sense] = _ArmRecord(segments, arm.end, arm.accepted)
         if far is not None and arm.end.reason == "closed":
             _end_both(records, meeting(far, seed.problem.parameters[0]))
-        if DEFECT in arm.end.text:
-            notes.append(arm.end.text)
+        if arm.end.defect:
+            notes.append(Sentence(arm.end.text, defect=True))
         if arm.end.reason == "stopped":
             break
     branch = _assembled(departure, records, name, targets, notes, started, before)
@@ -144,7 +144,7 @@ def _end_both(records: dict[int, _ArmRecord], end: End) -> None:
 
 
 def _assembled(
-    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[str],
+    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[Sentence],
     started: float, before: Mapping[str, int],
 ) -> Branch:  # fmt: skip
     try:
@@ -175,8 +175,8 @@ def until_defect(segments: Iterator[Segment], arm: Arm) -> Iterator[Segment]:
     """The segments up to an error, foreseen by contin or not: it ends the arm, and loses none of them."""
     last = arm.origin.z
 
-    def failed(text: str) -> None:
-        arm.end = End("corrector", f"after {arm.course.position(last)}, {text}")
+    def failed(text: str, defect: bool = True) -> None:
+        arm.end = End("corrector", f"after {arm.course.position(last)}, {text}", defect=defect)
 
     while True:
         segment = None
@@ -184,7 +184,7 @@ def until_defect(segments: Iterator[Segment], arm: Arm) -> Iterator[Segment]:
             with contained(failed):
                 segment = next(segments, None)
         except (NoSolutionError, NotFiniteError) as error:
-            failed(str(error))
+            failed(str(error), defect=False)
         if segment is None:
             return
         last = segment.z[-1] if len(segment.z) else last
@@ -206,7 +206,7 @@ def _progress(
 
 
 def _assemble(
-    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[str],
+    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[Sentence],
     started: float, before: Mapping[str, int],
 ) -> Branch:  # fmt: skip
     seed, problem = departure.seed, departure.seed.problem
@@ -222,9 +222,9 @@ def _assemble(
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: Fields = dict(problem.columns(z))
     properties: list[str] = []  # what holds all along the branch
-    with contained(notes.append):
+    with contained(lambda text: notes.append(Sentence(text, defect=True))):
         properties.extend(problem.remarks(z, eigenvalues))
-        notes += [*properties, *problem.shortcomings(z, eigenvalues)]
+        notes += [Sentence(text) for text in (*properties, *problem.shortcomings(z, eigenvalues))]
         unstable = problem.recounted(z, unstable, eigenvalues)
     reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
@@ -244,24 +244,24 @@ def _assemble(
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     unknown = uncounted(eigenvalues, [*born, *(row for row, *_ in labels)]) if exact else []
     untold = _astray(departure, z, columns, raw_tangents, labels, start_row, (born, rows.jumps))
-    untold += uncounted_note(unknown, columns, problem.parameters[0], len(z))
+    untold += [Sentence(text) for text in uncounted_note(unknown, columns, problem.parameters[0], len(z))]
     notes += [*_remarks(rows.labelled, problem), *untold]
     if seed.scale is None:
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
-        notes += [problem.guess_note(moving)] if moving else []
+        notes += [Sentence(problem.guess_note(moving))] if moving else []
     if problem.has_stability:
         columns["unstable"] = unstable
         columns["stable"] = (unstable == 0) & ~np.isin(np.arange(len(unstable)), unknown)
-    points = _label(name, rows.labelled, columns, raw_tangents, problem)
     if len(problem.finite(z[0], eigenvalues[0])) < eigenvalues.shape[1]:  # of as many equations in every row
         eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
     effort = _effort(records, problem, before)
+    texts, defects = distinct(notes)
     return Branch(
-        name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points,
-        ends=_ends(seed, records), z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
-        steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
-        locus=problem.locus, free=problem.free_names,
-        parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
+        name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns,
+        points=_label(name, rows.labelled, columns, raw_tangents, problem), ends=_ends(seed, records),
+        z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row, steps=effort["steps"],
+        seconds=computing_time() - started, effort=effort, problem=problem, locus=problem.locus,
+        free=problem.free_names, parent=seed.parent, notes=texts, symmetries=seed.symmetries, defects=defects,
         jumped=max(unlabelled - len(changes), 0),
         unexplained=len(changes) + len(untold) + sum(p.hiding for r in records.values() for p in r.segments),
     )  # fmt: skip
@@ -270,7 +270,7 @@ def _assemble(
 def _astray(
     departure: Departure, z: Array, columns: Record, tangents: Array, labels: list[tuple[int, Verified, float]],
     start: int, special: tuple[list[int], list[int]],
-) -> list[str]:  # fmt: skip
+) -> list[Sentence]:  # fmt: skip
     """A note for every step that has led over to another branch, or round a corner, without a label.
 
     special : rows at special points of other branches, and at corners.
@@ -283,19 +283,19 @@ def _astray(
         return []  # how far end values depend on the mesh is unknown
     if problem.adaptive:
         over: list[int] = []
-        errors: list[str] = []
+        errors: list[Sentence] = []
         known = {*born, *(row for row, _, _ in labels)}
-        with contained(errors.append):
+        with contained(lambda text: errors.append(Sentence(text, defect=True))):
             if problem.has_shared_places:
                 over = gone_over_on_meshes(problem, z, tangents, start, known, bounds)
             else:
                 over = gone_level(problem, z, columns, start, known, bounds)
-        return [*errors, *(f"{OVER} near {position(problem, z[row])} (row {row})" for row in over)]
+        return [*errors, *(Sentence.near(problem, z[row], OVER, f" (row {row})") for row in over)]
     turns = untold_turns(tangents[:, -1] / scale[-1], labels, [*jumps, *born])
     turns = [row for row in turns if not turns_again(row, columns, labels)]
     over = gone_over(problem, z, tangents, start, {*born, *(row for row, _, _ in labels)}, scale, NOISE)
     places = [*((TURNED, row) for row in turns), *((OVER, row) for row in over)]
-    return [f"{text} near {position(problem, z[row])} (row {row})" for text, row in places]
+    return [Sentence.near(problem, z[row], text, f" (row {row})") for text, row in places]
 
 
 def _effort(records: dict[int, _ArmRecord], problem: Problem, before: Mapping[str, int]) -> dict[str, int]:
@@ -335,24 +335,24 @@ def _ends(seed: Seed, records: dict[int, _ArmRecord]) -> tuple[End, End]:
     return down.end if down else start, up.end if up else start
 
 
-def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> list[str]:
+def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> list[Sentence]:
     """What could not be told about labelled points, with their places."""
-    return [f"{v.remark} near {position(problem, v.z)}" for _, v, _ in labelled if v.remark]
+    return [Sentence.near(problem, v.z, v.remark) for _, v, _ in labelled if v.remark]
 
 
-def _changes(rows: list[int], unstable: NDArray[np.int64], z: Array, problem: Problem) -> list[str]:
+def _changes(rows: list[int], unstable: NDArray[np.int64], z: Array, problem: Problem) -> list[Sentence]:
     """A note for every change of `unstable` that no label explains."""
-    texts = []
+    notes = []
     for row in rows:
         before, after = unstable[row - 1], unstable[row]
         text = f"unstable changes from {before} to {after} without a label that explains it"
         if before == after:
             text = f"unstable is {after} beyond labelled points that change it to another number: one may be missing"
-        texts.append(f"{text} near {position(problem, z[row])} (row {row})")
-    return texts
+        notes.append(Sentence.near(problem, z[row], text, f" (row {row})"))
+    return notes
 
 
-def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:
+def unrecorded(columns: Record, z: Array, problem: Problem) -> list[Sentence]:
     """A note for every column without a value on some rows: an observable that is not defined there, or that failed."""
     notes = []
     for name, column in columns.items():
@@ -364,18 +364,9 @@ def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:
         where = ", ".join(f"{p} = {columns[p][row]:.6g}" for p in problem.parameters if p in columns and p != name)
         reason = problem.explain_columns(z[row])
         first = f"first at {where}" if where else f"first in row {row}"
-        notes.append(
-            f"{name} has no value in {bad.size} of {len(column)} rows, {first}" + (f": {reason}" if reason else "")
-        )
+        text = f"{name} has no value in {bad.size} of {len(column)} rows, {first}"
+        notes.append(Sentence(text + (f": {reason}" if reason else "")))
     return notes
-
-
-def _distinct(notes: list[str]) -> tuple[str, ...]:
-    """One note of each kind (the text before ' near '), with the number of other places."""
-    kinds: dict[str, list[str]] = {}
-    for note in dict.fromkeys(notes):
-        kinds.setdefault(note.split(" near ")[0], []).append(note)
-    return tuple(same[0] + elsewhere(len(same) - 1) for same in kinds.values())
 
 
 def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, NDArray[np.complex128]]:

@@ -88,7 +88,7 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
 
 def _are_two_hopf_points(a: Parent, b: Parent) -> bool:
     """Two labels of one branch are two points, however near, and what is born at each is another family."""
-    return a.branch == b.branch and a.label != b.label and a.label.startswith("HB") and b.label.startswith("HB")
+    return a.branch == b.branch and a.label != b.label and a.type == b.type == "HB"
 
 
 def family_through(branches: Iterable[Branch], seed: Any, bounds: tuple[float, float]) -> Branch | None:

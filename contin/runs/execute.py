@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch, SpecialPoint
-from contin.continuation.defects import DEFECT
 from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
 from contin.records import Record
@@ -112,7 +111,7 @@ def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _Stat
             state.branches[branch.name] = branch
         state.phase = {**found.as_data(), "notes": list(found.notes)}
         state.notes.extend(found.notes)
-        if any(DEFECT in note for note in found.notes):
+        if found.defects:
             state.complete = False
         if found.stopped:
             state.stop()

@@ -9,6 +9,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Final
 
 from contin.records import Fields, Record
@@ -17,12 +20,22 @@ KEY: Final = "sha256"
 ENCODER: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
+NO_CHECKSUMS: Final = "has no checksums: written by an earlier contin; damage cannot be told"
+
+
 class DamageWarning(UserWarning):
     """Something stored does not have the checksum it was written with, or has none."""
 
 
 class LeftOutWarning(DamageWarning):
     """Damaged parts of a result are left out: what is read is not all that was written."""
+
+
+def warn_of(path: Path, notes: Iterable[str]) -> None:
+    """Warnings, at the caller's caller, of what was found in a store; all but `NO_CHECKSUMS` leave something out."""
+    for note in notes:
+        kind = DamageWarning if note == NO_CHECKSUMS else LeftOutWarning
+        warnings.warn(f"{path}: {note}", kind, stacklevel=3)
 
 
 def document_digest(document: Record) -> str:

@@ -15,7 +15,6 @@ import json
 import os
 import sqlite3
 import time
-import warnings
 from contextlib import closing
 from pathlib import Path
 from typing import Final
@@ -24,7 +23,7 @@ from contin.errors import InputError
 from contin.records import Fields, Record
 from contin.simulate.scan.grid import Outcome, table
 from contin.store.atomic import flush_folder
-from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
+from contin.store.digest import NO_CHECKSUMS, parts_digest, warn_of
 from contin.store.lock import Lock, opening
 from contin.store.places import State, cleared, discard, states_of
 from contin.store.sqlite import in_words
@@ -163,11 +162,9 @@ def read_scan(path: Path) -> Fields:
         raise
     except (sqlite3.Error, ValueError, KeyError, TypeError, IndexError, RecursionError, AttributeError) as error:
         raise InputError(f"{path}: not the store of a scan, or damaged ({error})") from None
-    notes = [] if "sha256" in meta else ["has no checksums: written by an earlier contin; damage cannot be told"]
+    notes = [] if "sha256" in meta else [NO_CHECKSUMS]
     notes += [f"damaged: {bad} runs fail their checksum and are left out"] if bad else []
-    for note in notes:
-        kind = DamageWarning if note.startswith("has no") else LeftOutWarning
-        warnings.warn(f"{path}: {note}", kind, stacklevel=2)
+    warn_of(path, notes)
     return {**head, "columns": columns, **({"notes": notes} if notes else {})}
 
 

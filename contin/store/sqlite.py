@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import json
 import sqlite3
-import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import closing
 from pathlib import Path
@@ -24,7 +23,7 @@ import numpy as np
 from contin.errors import FormatVersionError, InputError
 from contin.records import Fields, Record
 from contin.store.atomic import replacing
-from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
+from contin.store.digest import NO_CHECKSUMS, parts_digest, warn_of
 from contin.store.json_format import FORMAT_VERSION, plain
 from contin.store.solution_tables import damaged, insert_solutions
 from contin.store.solutions import Solutions
@@ -151,9 +150,7 @@ def load(path: Path) -> Fields:
     except (sqlite3.Error, KeyError, ValueError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise InputError(f"{path}: not a contin result file, or damaged ({error})") from None
     validate(document, path)
-    for note in notes:
-        kind = DamageWarning if note.startswith("has no") else LeftOutWarning
-        warnings.warn(f"{path}: {note}", kind, stacklevel=2)
+    warn_of(path, notes)
     document["notes"] = [*document["notes"], *(f"{path.name}: {note}" for note in notes)]
     return document
 
@@ -162,7 +159,7 @@ def _document(connection: sqlite3.Connection, path: Path) -> tuple[Fields, list[
     """The document of the branches that are whole, and a note on those that are not."""
     stored = _stored(connection)
     left = set(stored or ())
-    notes = [] if stored is not None else ["has no checksums: written by an earlier contin; damage cannot be told"]
+    notes = [] if stored is not None else [NO_CHECKSUMS]
 
     def good(part: str, *content: str | bytes | int) -> bool:
         left.discard(part)

@@ -50,7 +50,7 @@ def homoclinic_at_bogdanov_takens(problem: LocusProblem, point: SpecialPoint, pa
     except NO_FORM:  # the point's own remark says why
         return []
     typical = float(np.max(np.abs(unfolding.chain.q0) / problem.curve.sizes))
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     predictors = _predictors(compiled(problem), jet, u, p, (first, second), unfolding)
     for relative, predict in product(EPS, predictors):
         eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))

@@ -53,7 +53,7 @@ def through_non_central(problem: ConnectionProblem, point: SpecialPoint, paramet
     sense = _side(other, Sample(z, tangent, np.empty(0), 0, np.empty(0, complex)), Frame(scale))
     if sense == 0.0:
         raise InputError(f"{source}: the other curve of homoclinic orbits could not be followed from here")
-    return [Seed(other, z, sense * tangent, scale=scale, arms=(1,), parent=Parent(point.branch, point.label))]
+    return [Seed(other, z, sense * tangent, scale=scale, arms=(1,), parent=Parent.of(point))]
 
 
 def _other(curve: ConnectionCurve, z: Array, parameters: Sequence[str]) -> ConnectionCurve:

@@ -76,7 +76,7 @@ def _seed(problem: BoundaryProblem, point: SpecialPoint, mesh: OnMesh, direction
     curvature = np.concatenate([c[:-1], flat, c[-1:]])
     full = np.concatenate([metric[:-1], [1.0], np.ones(len(mesh.h)), metric[-1:]])
     return Seed(replace(problem, spaces={}), point.z.copy(), embedded(mesh, d), curvature, full,
-                parent=Parent(point.branch, point.label))  # fmt: skip
+                parent=Parent.of(point))  # fmt: skip
 
 
 def _metric(problem: BoundaryProblem, point: SpecialPoint, mesh: OnMesh, direction: Array, bend: Array) -> Array:

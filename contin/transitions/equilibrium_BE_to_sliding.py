@@ -91,5 +91,5 @@ def _tangent(problem: EquilibriumProblem, z: Array, scale: Array) -> Array:
 
 
 def _seed(problem: EquilibriumProblem, point: SpecialPoint, direction: Array) -> Seed:
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     return Seed(problem, point.z, direction, None, point.scale, (1,), parent)

@@ -36,7 +36,7 @@ def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
         turning = rotated_branches(problem, point)
         if turning is not None:
             return [replace(seed, measured=_measured(point)) for seed in turning]
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
     local = ScaledSystem(problem, point.scale)

@@ -22,7 +22,7 @@ def branch_points(problem: EquilibriumProblem, point: SpecialPoint, parameters: 
         raise InputError(f"{point.branch}.{point.label} has a kernel of more than one dimension: no curve is followed")
     p = problem.full_parameters(point.z)
     sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     plain = seed_of(
         problem.system, "BP", parameters[:2], point.z[:-1], p, sizes, problem.angle_periods, 0.0, parent
     ).problem

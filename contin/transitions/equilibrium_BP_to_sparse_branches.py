@@ -55,7 +55,7 @@ def _seed(problem: LargeProblem, point: SpecialPoint, direction: Array, bend: Ar
     d, c = d / length, c / elementary.square(length)
     symmetries = reversing_symmetries(problem, point.z, d * scale, scale)
     seed = Seed(
-        problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label),
+        problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent.of(point),
         measured=(int(point.values["unstable"]), np.asarray(point.eigenvalues)),
     )  # fmt: skip
     return replace(seed, arms=(1,), symmetries=symmetries) if symmetries else seed

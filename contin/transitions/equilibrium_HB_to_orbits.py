@@ -86,7 +86,7 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
         origin=(float(point.z[-1]), point.z[:-1].copy()),
     )  # fmt: skip
     multipliers = of_rest(np.asarray(point.eigenvalues), cycles.omega, period)
-    return Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)
+    return Seed(problem, rest.vector(), d, k, scale, (1,), Parent.of(point), measured=multipliers)
 
 
 @cache

@@ -32,7 +32,7 @@ def loci_of_point(problem: LargeProblem, point: SpecialPoint, parameters: Sequen
     kappa = elementary.square(float(point.vectors["omega"])) if point.type == "HB" else 0.0
     q = np.asarray(point.vectors["q"]) if point.type == "HB" else (point.tangent * point.scale)[:-1]
     p = problem.full_parameters(point.z)
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     return [seed_of_large(problem, point.type, parameters, point.z[:-1], p, kappa, q, parent)]
 
 

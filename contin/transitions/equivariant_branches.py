@@ -64,7 +64,7 @@ def rotated_branches(problem: EquilibriumProblem, point: SpecialPoint) -> list[S
     fresh = replace(problem, system=framed)
     rising = float(z[-1] - point.z[-1])
     arms = (-1, 1) if rising == 0.0 else (1,) if rising > 0.0 else (-1,)
-    return [Seed(fresh, z, arms=arms, parent=Parent(point.branch, point.label))]
+    return [Seed(fresh, z, arms=arms, parent=Parent.of(point))]
 
 
 def _on_branch(problem: EquilibriumProblem, point: SpecialPoint, generator: Array, q: Array, b: int) -> Array | None:

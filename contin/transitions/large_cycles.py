@@ -33,7 +33,7 @@ def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> 
     scale = orbits.scale_of(size, np.array([PERIOD_SCALE * rest.period, float(point.scale[-1])]))
     direction = np.append(first.ravel(), [0.0, 0.0]) / scale
     return Seed(
-        orbits, z, direction / norm(direction), None, scale, (1,), Parent(point.branch, point.label),
+        orbits, z, direction / norm(direction), None, scale, (1,), Parent.of(point),
         measured=of_rest(np.asarray(point.eigenvalues), omega, rest.period),
     )  # fmt: skip
 

@@ -24,7 +24,7 @@ SAME = 1e-6  # (relative) values of kappa nearer than this belong to one curve
 def loci_through(problem: LargeLocus, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Curves through a point of a locus: those of other types first; its own only where there is no other."""
     curve, own = problem.curve, problem.locus
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     u, p = point.z[: problem.n], curve.full_parameters(point.z)
     known = point.vectors
     found: list[tuple[str, float, Vector]] = []
@@ -49,4 +49,4 @@ def equilibria_through(problem: LargeLocus, point: SpecialPoint, parameter: str)
     p = problem.curve.full_parameters(point.z)
     branch = replace(problem.curve.origin, base=p, active=active, work=type(problem.curve.origin.work)())
     z = np.append(point.z[: problem.n], p[active])
-    return [Seed(branch, z, parent=Parent(point.branch, point.label))]
+    return [Seed(branch, z, parent=Parent.of(point))]

@@ -22,5 +22,5 @@ def loci_through(problem: LargeOrbitCurve, point: SpecialPoint, parameters: Sequ
             f"{where}: which of the two pairs a curve follows cannot be chosen here, for orbits of large systems: "
             "start the curve of the other one from its own NS point"
         )
-    family, inner, parent = problem.base.at(point.z), problem.base.inner(point.z), Parent(point.branch, point.label)
+    family, inner, parent = problem.base.at(point.z), problem.base.inner(point.z), Parent.of(point)
     return [curve_of(family, inner, type_, parameters, parent) for type_ in meeting(point.type, problem.locus)]

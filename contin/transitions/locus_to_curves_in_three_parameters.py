@@ -26,7 +26,7 @@ def in_three_parameters(problem: LocusProblem, point: SpecialPoint, parameters: 
     if point.type in ("GH", "ZH", "HH"):
         pairs = [v.imag for v in point.vectors["critical"] if v.imag > 0.0]
         kappa = elementary.square(float(max(pairs)))
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     return [of_codimension_two(problem, point.type, u, p, kappa, parameters, parent)]
 
 

@@ -23,4 +23,4 @@ def equilibria_through(problem: LocusProblem, point: SpecialPoint, parameter: st
         widths = dict(zip(problem.parameters, point.scale[[-1, -2]], strict=True))
         scale = np.append(point.scale[: problem.n], widths.get(parameter, max(1.0, abs(float(p[active])))))
     z = np.append(point.z[: problem.n], p[active])
-    return [Seed(branch, z, scale=scale, parent=Parent(point.branch, point.label))]
+    return [Seed(branch, z, scale=scale, parent=Parent.of(point))]

@@ -29,7 +29,7 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
     own = problem.locus
     curve = problem.curve
     u, p = point.z[: problem.n], curve.full_parameters(point.z)
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     if point.vectors.get("plane"):
         return _across_plane(problem, point, parameters)
     types = curves_of_points(point.type, own)
@@ -59,7 +59,7 @@ def _across_plane(problem: LocusProblem, point: SpecialPoint, parameters: Sequen
     From the branch points both Hopf curves.
     """
     own, curve = problem.locus, problem.curve
-    u, p, parent = point.z[: problem.n], curve.full_parameters(point.z), Parent(point.branch, point.label)
+    u, p, parent = point.z[: problem.n], curve.full_parameters(point.z), Parent.of(point)
 
     def seed(type_: str) -> Seed:
         scalar = _scalars(point, type_)[0]

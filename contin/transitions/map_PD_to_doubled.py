@@ -68,6 +68,6 @@ def _seed(born: EquilibriumProblem, point: SpecialPoint, outset: Outset) -> Seed
         scale, d, k = renewed_metric(ScaledSystem(born, scale), point.z, d, k)
     multipliers = elementary.square(np.asarray(point.eigenvalues))
     measured = int(point.values["unstable"]), multipliers
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     seed = Seed(born, point.z, d, k, scale, (1,), parent, beside=beside, measured=measured)
     return lifted(seed, (HALF_PERIOD,))

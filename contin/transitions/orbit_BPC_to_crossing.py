@@ -40,6 +40,6 @@ def _along(problem: OrbitProblem, point: SpecialPoint, direction: Array) -> Seed
     if direction[-1] < 0.0:
         direction = -direction
     return Seed(
-        problem, point.z, direction, None, point.scale, halves, Parent(point.branch, point.label), symmetries,
+        problem, point.z, direction, None, point.scale, halves, Parent.of(point), symmetries,
         measured=(unstable_count(point), point.eigenvalues),
     )  # fmt: skip

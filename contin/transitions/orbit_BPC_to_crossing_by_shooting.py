@@ -29,6 +29,6 @@ def crossing_by_shooting(problem: ShootingProblem, point: SpecialPoint, paramete
     beside = {1: found.orbit} if other is None or alike else {1: found.orbit, -1: other.orbit}
     seed = Seed(
         found.problem, point.z, found.direction, found.curvature if alike else None, point.scale, arms,
-        Parent(point.branch, point.label), beside=beside, measured=(unstable_count(point), point.eigenvalues),
+        Parent.of(point), beside=beside, measured=(unstable_count(point), point.eigenvalues),
     )  # fmt: skip
     return [seed]

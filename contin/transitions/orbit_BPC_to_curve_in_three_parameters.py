@@ -14,4 +14,4 @@ from contin.transitions.registry import born
 @born(OrbitProblem, "BPC", "the curve of such orbits in three parameters", parameters=3)
 def branch_points_of_cycles(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Branch points in the first parameter."""
-    return [branch_points(problem, point.z, parameters, Parent(point.branch, point.label))]
+    return [branch_points(problem, point.z, parameters, Parent.of(point))]

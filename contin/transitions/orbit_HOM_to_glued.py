@@ -85,6 +85,6 @@ def _joined(problem: OrbitProblem, point: SpecialPoint, loop: Profile, image: Ar
         return None
     direction = np.asarray(found.tangent if found.tangent[nodes] < 0.0 else -found.tangent)
     return Seed(
-        family, found.z, direction, None, scale, (1,), Parent(point.branch, point.label),
+        family, found.z, direction, None, scale, (1,), Parent.of(point),
         measured=(found.unstable, found.eigenvalues),
     )  # fmt: skip

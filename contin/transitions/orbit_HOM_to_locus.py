@@ -52,7 +52,7 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
         stable = int(np.sum(visited[a].eigenvalues.real < 0.0))
         unstable = int(np.sum(visited[b].eigenvalues.real > 0.0))
         arc = replace(arc, parameter=float(orbit[-1]))
-        parent = Parent(point.branch, point.label)
+        parent = Parent.of(point)
         q = float(orbits.base[second])
         turned = winding if a == b and winding.any() else None
         curve = ConnectionCurve(orbits, second, len(ends), stable, unstable, winding=turned)
@@ -93,7 +93,7 @@ def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: 
     turned = winding if winding.any() else None
     curve = ConnectionCurve(orbits, second, 1, stable, unstable, node=True, winding=turned)
     arc = replace(arc, parameter=float(p[first]))
-    return solved_connection(curve, arc, at[None, :-1], float(p[second]), Parent(point.branch, point.label))
+    return solved_connection(curve, arc, at[None, :-1], float(p[second]), Parent.of(point))
 
 
 def _passages(

@@ -34,7 +34,7 @@ def crossing_family(problem: HybridOrbits, point: SpecialPoint, parameter: str) 
     direction = min(others, key=lambda t: abs(float(t @ own)))
     direction = direction if direction[-1] >= 0.0 else -direction
     measured = unstable_count(point), np.asarray(point.eigenvalues, dtype=complex)
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     return [Seed(problem, point.z, direction, None, point.scale, (-1, 1), parent, measured=measured)]
 
 
@@ -51,7 +51,7 @@ def doubled_orbits(problem: HybridOrbits, point: SpecialPoint, parameter: str) -
     multipliers = np.asarray(elementary.square(np.asarray(point.eigenvalues)), dtype=complex)
     return [
         Seed(
-            problem.doubled(), point.z, d, k - float(k @ d) * d, point.scale, (1,), Parent(point.branch, point.label),
+            problem.doubled(), point.z, d, k - float(k @ d) * d, point.scale, (1,), Parent.of(point),
             (HALF_PERIOD,), measured=(unstable_count(point), multipliers),
         )
     ]  # fmt: skip

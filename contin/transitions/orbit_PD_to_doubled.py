@@ -45,7 +45,7 @@ def _doubled(problem: OrbitProblem, point: SpecialPoint) -> Seed:
     intervals = None if problem.intervals is None else len(h)
     family = replace(problem, winding=2.0 * problem.winding, multiple=2 * problem.multiple, intervals=intervals)
     return Seed(
-        family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label), (HALF_PERIOD,),
+        family, doubled.vector(), direction, None, scale, (1,), Parent.of(point), (HALF_PERIOD,),
         measured=(unstable_count(point), _squared(point.eigenvalues)),
     )  # fmt: skip
 

@@ -53,7 +53,7 @@ def _doubled(problem: ShootingProblem, point: SpecialPoint) -> Seed:
     free, multiple = problem.free(), 2 * problem.multiple
     family = replace(free, count=2 * nodes.count, winding=2.0 * problem.winding, multiple=multiple)
     return Seed(
-        family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
+        family, doubled.vector(), direction, None, scale, (1,), Parent.of(point),
         measured=(unstable_count(point), elementary.square(np.asarray(point.eigenvalues))),
     )  # fmt: skip
 

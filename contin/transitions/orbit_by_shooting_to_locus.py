@@ -57,4 +57,4 @@ def _touching(problem: ShootingProblem, point: SpecialPoint, parameters: Sequenc
     whole, orbit, places = found
     curve = GrazingCurve(whole, second, places[0])
     z = curve.join(orbit, float(orbits.base[second]))
-    return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))
+    return Seed(ShotLocusProblem(curve), z, parent=Parent.of(point))

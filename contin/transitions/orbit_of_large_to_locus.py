@@ -18,7 +18,7 @@ from contin.transitions.several_multipliers import refuse_several
 def loci_of_large_orbit(problem: LargeOrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Seed of the curve of orbits of the same type."""
     refuse_several(point, "its curve in two parameters is not followed")
-    return [curve_of(problem, point.z, point.type, parameters, Parent(point.branch, point.label))]
+    return [curve_of(problem, point.z, point.type, parameters, Parent.of(point))]
 
 
 @born(LargeOrbitProblem, "BPC", "nothing yet", parameters=2)

@@ -26,7 +26,7 @@ def crossing(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) ->
     q, own = np.asarray(point.vectors["q"]), np.asarray(point.vectors["own"])
     direction = null_vector(problem, point.z, q, own, point.scale)
     measured = int(point.values["unstable"]), point.eigenvalues
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     return [Seed(problem, point.z, direction, None, point.scale, parent=parent, measured=measured)]
 
 
@@ -45,6 +45,6 @@ def doubled(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) -> 
     size = float(point.scale[0]) / np.sqrt(len(point.scale) - 2)
     scale = twice.scale_of(size, np.array([2.0 * point.scale[-2], point.scale[-1]]))
     direction = np.concatenate([once, -once, [0.0, 0.0]]) / scale
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     measured = int(point.values["unstable"]), point.eigenvalues**2
     return [Seed(twice, z, direction / norm(direction), None, scale, (1,), parent, measured=measured)]

@@ -36,7 +36,7 @@ def loci_of_point(problem: EquilibriumProblem, point: SpecialPoint, parameters: 
         scalar = elementary.square(float(point.vectors["omega"]))
     elif point.type == "NS":
         scalar = float(elementary.cos(point.vectors["omega"]))
-    parent = Parent(point.branch, point.label)
+    parent = Parent.of(point)
     return [
         seed_of(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)
     ]

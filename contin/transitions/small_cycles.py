@@ -87,7 +87,7 @@ def seed_of_cycles(
     d, k = d / norm, k / elementary.square(norm)
     k = k - float(k @ d) * d
     z = curve.join(rest.vector(), float(place.p[place.second]), further)
-    parent, beside = Parent(point.branch, point.label), measured(point, float(cycles.omega), period)
+    parent, beside = Parent.of(point), measured(point, float(cycles.omega), period)
     return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent, measured=beside)
 
 

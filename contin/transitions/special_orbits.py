@@ -36,7 +36,7 @@ def seed_of(
     orbits, orbit = orbits.freed(orbits.system.parameter_names[first], orbit)
     curve = curve_of(orbits, second)
     z = curve.join(orbit, float(orbits.base[second]), further)
-    return Seed(problem_of(curve), z, parent=Parent(point.branch, point.label))
+    return Seed(problem_of(curve), z, parent=Parent.of(point))
 
 
 def seeds_through(

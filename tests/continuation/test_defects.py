@@ -37,6 +37,7 @@ def test_an_arm_keeps_the_rows_before_the_chunk_that_fails(monkeypatch):
     assert end.text.endswith("LinAlgError: SVD did not converge")
     assert end.text.startswith(f"after p = {branch.columns['p'][-1]:.10g}, ")
     assert end.text in branch.notes
+    assert branch.defects == (end.text,)
 
 
 def test_a_chunk_keeps_the_rows_before_the_step_in_which_it_fails(monkeypatch):
@@ -58,7 +59,9 @@ def test_an_error_in_a_verification_costs_the_label_alone(monkeypatch):
     assert branch.points == ()
     assert branch.ends[0].reason == whole.ends[0].reason == "bound"  # beyond the fold, back at p = 4
     place = "not verified: an error inside contin at contin/continuation/location/isolate.py:"
-    assert any(place in note for note in branch.notes)
+    assert any(place in note for note in branch.defects)
+    assert set(branch.defects) <= set(branch.notes)
+    assert whole.defects == ()
 
 
 def test_what_contin_says_on_purpose_passes():

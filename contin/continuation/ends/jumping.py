@@ -17,13 +17,14 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import JUMPS, Arm
+from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.ends.beside_jump import NARROW, WIDER, by_length, by_unknown
 from contin.continuation.position import position
 from contin.continuation.problem import Problem
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.segment import Row, Segment
+from contin.continuation.sentence import Sentence
 from contin.linalg.vectors import norm
 
 APART: Final = 3e-8  # scaled: points this close to each other have each other's errors
@@ -45,16 +46,16 @@ def until_jump(segments: Iterable[Segment], arm: Arm, start: Array) -> Iterator[
             yield segment
             continue
         sides = np.vstack([before[None], problem.choices(segment.z).sides])
-        unseen: list[str] = []
+        unseen: list[Sentence] = []
         for k, j in np.argwhere(sides[:-1] != sides[1:]):
             found = _jump(arm, segment, int(k), int(j), row if k == 0 else segment.z[k - 1])
             if found is None:
                 continue
             if isinstance(found, _Unseen):
-                unseen.append(found.words(problem, texts[j]))
+                unseen.append(Sentence(found.words(problem, texts[j])))
                 continue
             kept = [m for m in segment.found if m.before <= k or (m.before == k + 1 and found.is_before(problem, m))]
-            notes = tuple(note for note in segment.notes if not note.startswith(JUMPS))
+            notes = tuple(note for note in segment.notes if not note.corner)
             cut = replace(segment.cut(int(k), kept), notes=(*notes, *unseen), hiding=segment.hiding + len(unseen))
             yield cut
             yield Segment.single(found.limit, segment.scale)

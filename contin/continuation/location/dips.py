@@ -13,9 +13,9 @@ from contin.continuation.location.isolate import isolate, together_between
 from contin.continuation.location.rest_of_step import rounding
 from contin.continuation.location.sameness import same_point
 from contin.continuation.outcome import Nothing, Outcome, Rejected, Verified
-from contin.continuation.position import position
 from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Sample
+from contin.continuation.sentence import Sentence
 from contin.kernels.steering import is_dip
 from contin.linalg.vectors import dot
 
@@ -152,7 +152,7 @@ def _pair(
     if touching:
         yield from (found_at(stretch, low, point, anchor) for point in touching)
         return
-    yield Note(f"{TOUCHES} near {position(stretch.problem, points[0].z)}", place=points[0].z)
+    yield Note(Sentence.near(stretch.problem, points[0].z, TOUCHES), place=points[0].z)
     if len(points) == 2:
         yield from (item for item in items if isinstance(item, Note))
 

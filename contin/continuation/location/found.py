@@ -8,10 +8,11 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.outcome import Verified
+from contin.continuation.outcome import Rejected, Verified
 from contin.continuation.position import position
 from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Sample
+from contin.continuation.sentence import Sentence
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
 
@@ -33,7 +34,7 @@ class Found:
 class Note:
     """Something seen that did not become a label; `suspect` where a jump to another branch would explain it."""
 
-    text: str
+    said: Sentence
     suspect: bool = False
     hides: bool = False  # events may lie there that were not told from each other
     at: Array | None = None  # where tests are rounding errors: next to a labelled point they are, and that says nothing
@@ -41,19 +42,25 @@ class Note:
     place: Array | None = None  # a point next to it
 
 
-def where(stretch: Stretch, a: Sample, text: str) -> str:
-    return f"{text} near {position(stretch.problem, a.z)}"
+def where(stretch: Stretch, a: Sample, text: str) -> Sentence:
+    return Sentence.near(stretch.problem, a.z, text)
 
 
 def noted(
-    stretch: Stretch, near: Sample, text: str, suspect: bool = False, hides: bool = False, at: Array | None = None
+    stretch: Stretch, sample: Sample, text: str, suspect: bool = False, hides: bool = False, at: Array | None = None
 ) -> Note:  # fmt: skip
     """A note of what was seen next to a sample."""
-    return Note(where(stretch, near, text), suspect, hides, at, place=near.z)
+    return Note(where(stretch, sample, text), suspect, hides, at, place=sample.z)
 
 
-def exactly(stretch: Stretch, z: Array, text: str) -> str:
-    return f"at {position(stretch.problem, z)}, {text}"
+def rejected(stretch: Stretch, sample: Sample, found: Rejected, suspect: bool = False, hides: bool = False) -> Note:
+    """A note of what was rejected next to a sample, and why."""
+    said = Sentence.near(stretch.problem, sample.z, found.reason, defect=found.defect)
+    return Note(said, suspect, hides, place=sample.z)
+
+
+def exactly(stretch: Stretch, z: Array, text: str) -> Sentence:
+    return Sentence(f"at {position(stretch.problem, z)}, {text}")
 
 
 def anchored(point: Verified, place: Array) -> Verified:

@@ -26,7 +26,16 @@ from contin.continuation.location.both_sides import (
     vanishes_linearly,
 )
 from contin.continuation.location.coinciding import located
-from contin.continuation.location.found import Found, Note, anchored_on_branch, at_point, exactly, noted, where
+from contin.continuation.location.found import (
+    Found,
+    Note,
+    anchored_on_branch,
+    at_point,
+    exactly,
+    noted,
+    rejected,
+    where,
+)
 from contin.continuation.location.lost_digits import turning_alone, unresolved
 from contin.continuation.location.rest_of_step import (
     is_clear,
@@ -105,7 +114,7 @@ def isolate(
                 yield from together
             yield from isolate(stretch, high, b, DEPTH, beside)
         else:
-            yield noted(stretch, low, verified.reason)
+            yield rejected(stretch, low, verified)
         return
     if width <= COINCIDENT or depth >= DEPTH or len(stretch.halved) >= HALVINGS:
         yield from _compound(stretch, a, b, "changes that could not be told apart")
@@ -324,7 +333,7 @@ def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:
     outcome: Outcome = NOTHING
     with contained(errors.append):
         outcome = stretch.problem.verify(type_, near, stretch.frame)
-    return unverified(type_, errors[0]) if errors else _placed(stretch, outcome)
+    return unverified(type_, errors[0], defect=True) if errors else _placed(stretch, outcome)
 
 
 def _placed(stretch: Stretch, outcome: Outcome) -> Outcome:
@@ -340,7 +349,9 @@ def together_between(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
     items: list[Outcome] = []
     with contained(errors.append):
         items = list(stretch.problem.verify_compound(a, b, stretch.frame))
-    return [Rejected(f"not verified: {errors[0]}", suspect=True)] if errors else [_placed(stretch, i) for i in items]
+    if errors:
+        return [Rejected(f"not verified: {errors[0]}", suspect=True, defect=True)]
+    return [_placed(stretch, item) for item in items]
 
 
 def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | Rejected | Nothing]:
@@ -411,18 +422,18 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
         yield noted(stretch, a, why, True)
     for item in items:
         if isinstance(item, Verified) and norm((item.z - a.z) / stretch.frame.scale) > stretch.settings.max_step:
-            yield noted(stretch, a, unverified(item.type, LEFT).reason, True)
+            yield rejected(stretch, a, unverified(item.type, LEFT), True)
         elif isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
             yield Found(length, anchored_on_branch(item, stretch.base), at_point(stretch, a, item))
             if corner is None and _is_elsewhere(stretch, a, b, item, length):  # at a corner tests need not be small
                 yield _lost(stretch, a)
         elif isinstance(item, Jump):
-            text = where(stretch, a, item.text) if item.at is None else exactly(stretch, item.at, item.text)
-            yield Note(text, jump=stretch.length_of(b))
+            said = where(stretch, a, item.text) if item.at is None else exactly(stretch, item.at, item.text)
+            yield Note(said, jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
             timeless = not stretch.problem.has_stability and not in_two_parameters(stretch.problem)
-            yield noted(stretch, a, item.reason, item.suspect, hides=item.suspect and timeless)
+            yield rejected(stretch, a, item, item.suspect, hides=item.suspect and timeless)
 
 
 def _is_elsewhere(stretch: Stretch, a: Sample, b: Sample, found: Verified, length: float) -> bool:

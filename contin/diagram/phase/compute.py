@@ -78,8 +78,10 @@ def phase(
             stopped, found = _looked_again(survey, check, said)
             regions, borders, check = regions_of(survey) if found else (regions, borders, check)
     loci = tuple(_without_parent(b, search.loci) for b in search.loci)
-    notes = tuple(search.notes)
-    return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes, stopped, check)
+    return PhaseDiagram(
+        (first, second), bounds, loci, regions, borders, tuple(search.branches),
+        tuple(search.notes), search.notes.defects, stopped, check,
+    )  # fmt: skip
 
 
 def _looked_again(survey: Survey, check: Check, said: int) -> tuple[bool, bool]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
-from contin.continuation.defects import DEFECT, noted
+from contin.continuation.defects import contained, noted
 from contin.continuation.journal import Journal
 from contin.continuation.seed import Seed
 from contin.continuation.settings import Settings
@@ -67,11 +67,17 @@ class Curves:
             return []
         seeds: Sequence[Seed] = ()
         place = f"{point.type} at {self.places.words(point)}: "
-        with noted(lambda text: self._refuse(point, place + text if DEFECT in text else f"{text}{UNCUT}")):
+        with (
+            noted(lambda text: self._refuse(point, f"{text}{UNCUT}")),
+            contained(lambda text: self._refuse(point, place + text, defect=True)),
+        ):
             seeds = births.loci(point.problem, point, self.places.parameters, self.orbits)
         found: list[SpecialPoint] = []
         for seed in seeds:
-            with noted(lambda text: self._refuse(point, f"{place}{text.rstrip('.')}{UNCUT}")):
+            with (
+                noted(lambda text: self._refuse(point, f"{place}{text.rstrip('.')}{UNCUT}")),
+                contained(lambda text: self._refuse(point, f"{place}{text.rstrip('.')}{UNCUT}", defect=True)),
+            ):
                 found.extend(self._curve(point, seed))
         return found
 
@@ -104,7 +110,7 @@ class Curves:
             self._refuse(point, f"the branch point at {self.places.words(point)} is isolated in this plane")
             return []
         if len(branch) < 2:
-            self.notes.extend(f"{branch.name}: {note}" for note in branch.notes if DEFECT in note)
+            self._tell(branch, branch.defects)
             if all(end.reason == "corrector" for end in branch.ends):
                 text = branch.ends[0].text.rstrip(".")
                 self._refuse(point, f"{point.type} at {self.places.words(point)}: {text}{UNCUT}")
@@ -115,7 +121,7 @@ class Curves:
         if self.journal is not None:
             self.journal.finished(branch)
         self.generations[branch.name] = self.generation(point)
-        self.notes.extend(f"{branch.name}: {note}" for note in branch.notes)
+        self._tell(branch, branch.notes)
         for end in branch.ends:
             if end.reason == "steps":
                 self.notes.add(f"{branch.name} was cut short: {end.text}")
@@ -162,9 +168,16 @@ class Curves:
             return replace(self.settings, steps=FEW, min_step=LEAST, max_step=max(COARSE, self.settings.max_step))
         return replace(self.settings, steps=min(MOST_STEPS, self.settings.steps), min_step=SHORTEST)
 
-    def _refuse(self, point: SpecialPoint, note: str) -> None:
+    def _tell(self, branch: Branch, notes: Sequence[str]) -> None:
+        """Notes of a curve, under its name."""
+        for note in notes:
+            add = self.notes.defect if note in branch.defects else self.notes.add
+            add(f"{branch.name}: {note}")
+
+    def _refuse(self, point: SpecialPoint, note: str, defect: bool = False) -> None:
         self.refused.append((point.type, self.places.of(point)))
-        self.notes.add(note)
+        add = self.notes.defect if defect else self.notes.add
+        add(note)
 
     def _was_refused(self, point: SpecialPoint) -> bool:
         here = self.places.of(point)

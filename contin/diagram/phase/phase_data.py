@@ -85,5 +85,6 @@ class PhaseData:
     borders: Mapping[tuple[int, int], frozenset[str]]
     branches: tuple[Branch, ...] = ()
     notes: tuple[str, ...] = field(default_factory=tuple)
+    defects: tuple[str, ...] = ()  # those of the notes that tell of errors which contin did not foresee
     stopped: bool = False  # by the user: curves and regions may be missing
     check: Check = field(default_factory=Check)  # of the regions by a second method

@@ -14,7 +14,6 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
-from contin.continuation.defects import DEFECT
 from contin.continuation.journal import Journal, OfSearch
 from contin.continuation.location.user_value import Target
 from contin.continuation.seed import Seed
@@ -124,7 +123,8 @@ class LociSearch:
     def tell_defects(self, branches: Sequence[Branch]) -> None:
         """Branches that an error cut short lack states: regions may have more than are counted."""
         for branch in branches:
-            self.notes.extend(f"a branch of states is cut short, {note}" for note in branch.notes if DEFECT in note)
+            for note in branch.defects:
+                self.notes.defect(f"a branch of states is cut short, {note}")
 
     def _settled(self, axis: int, value: float) -> Line:
         """A line with the families of the orbits on which trajectories settle at some of its points."""
@@ -179,16 +179,17 @@ class LociSearch:
     def _incomplete(self, line: Line) -> None:
         """Say once that branches end for want of steps, and that families of a piecewise-smooth flow stop short."""
         short = [b for b in line.branches if any(end.reason == "steps" for end in b.ends)]
-        if short and not any(STEPS in text for text in self.notes):
-            self.notes.add(
-                f"{STEPS} (settings.steps = {self.settings.steps}): at {self.parameters[1 - line.axis]} = "
-                f"{line.value:.6g}, {len(short)} of them; states and curves beyond are not known"
+        if short:
+            self.notes.add_first(
+                STEPS,
+                f" (settings.steps = {self.settings.steps}): at {self.parameters[1 - line.axis]} = "
+                f"{line.value:.6g}, {len(short)} of them; states and curves beyond are not known",
             )
         piecewise = [b for b in line.orbits if b.problem.system.n_switches]
         lost = [end for b in piecewise for end in b.ends if end.reason in SHORT]
-        if lost and not any(INCOMPLETE in text for text in self.notes):
+        if lost:
             where = f"{self.parameters[1 - line.axis]} = {line.value:.6g}"
-            self.notes.add(f"{INCOMPLETE}, and orbits beyond are not counted: at {where}, {lost[0].text}")
+            self.notes.add_first(INCOMPLETE, f", and orbits beyond are not counted: at {where}, {lost[0].text}")
 
     def held(self, axis: int, value: float) -> Array:
         """All parameters, with the one that a line along `axis` holds at its value."""

@@ -62,7 +62,7 @@ def start(base: BoundaryBase, z: Array) -> Array:
 
 def curve_of(problem: BoundaryProblem, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
     """The curve of folds or branch points through one in two parameters; of generic branch points in three."""
-    z, type_, parent = point.z, point.type, Parent(point.branch, point.label)
+    z, type_, parent = point.z, point.type, Parent.of(point)
     base = boundary_base(problem, z, type_, parameters, str(point.normal_form.get("kind", "")), point.scale)
     held = (MeshedUnfolding(base),) if len(parameters) == 3 else ()
     curve = AdaptiveCurve(base, held, type_, tuple(parameters), problem.two.free)
@@ -75,4 +75,4 @@ def degenerate(curve: AdaptiveCurve, point: SpecialPoint, parameters: Sequence[s
     base = boundary_base(problem, z, curve.type, parameters, curve.base.kind)
     base = replace(base, usual=curve.base.usual)
     held = AdaptiveCurve(base, (Degenerate(base, type_),), type_, tuple(parameters), problem.two.free)
-    return Seed(held, start(base, z), parent=Parent(point.branch, point.label))
+    return Seed(held, start(base, z), parent=Parent.of(point))

@@ -43,7 +43,7 @@ def of_solutions(
 ) -> Seed:
     """From an extremum on a branch."""
     names, new = tuple(parameters), newest(point, problem.parameters, parameters)
-    parent, held = Parent(point.branch, point.label), (Extremal(str(point.normal_form["of"]), new),)
+    parent, held = Parent.of(point), (Extremal(str(point.normal_form["of"]), new),)
     if isinstance(problem, BoundaryProblem):
         base = boundary_base(problem, point.z, "", names)
         curve: AugmentedCurve = AdaptiveCurve(base, held, TYPE, names, problem.two.free)
@@ -70,7 +70,7 @@ def of_locus(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[st
     scalar = curve.scalar(point.z) if curve.has_scalar else 0.0
     made = AugmentedCurve(base, (Extremal(str(point.normal_form["of"]), new),), TYPE, names)
     z = base.problem.curve.place(point.z[: problem.n], p, scalar)
-    return Seed(made, z, parent=Parent(point.branch, point.label))
+    return Seed(made, z, parent=Parent.of(point))
 
 
 def of_extrema(problem: AugmentedCurve, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
@@ -91,7 +91,7 @@ def of_extrema(problem: AugmentedCurve, point: SpecialPoint, parameters: Sequenc
     rest = np.array([values[name] for name in names[::-1]])
     z = np.concatenate([point.z[: -len(new)], rest])
     made = replace(problem, base=wider, held=(Extremal(column, added),), type=TYPE, names=names, bounds=())
-    return Seed(made, z, parent=Parent(point.branch, point.label))
+    return Seed(made, z, parent=Parent.of(point))
 
 
 def _wider(base: object, names: Sequence[str]) -> PointBase | EquilibriumBase | BoundaryBase | OrbitBase:

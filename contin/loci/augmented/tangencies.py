@@ -83,4 +83,4 @@ def curve_of(problem: ConnectionToCycle, point: SpecialPoint, parameters: Sequen
     assert isinstance(base.problem, ConnectionToCycle)
     own = TangencyBase(base.problem, base.places, base.type, usual=base.usual)
     curve = CurveOfTangencies(own, (), "LP", tuple(parameters))
-    return Seed(curve, start(own, point.z), parent=Parent(point.branch, point.label))
+    return Seed(curve, start(own, point.z), parent=Parent.of(point))

@@ -260,7 +260,7 @@ class EquilibriumProblem(AlgebraicEquations):
             return self._corner_beside(near, frame) or found
         here = DenseMarch(self).linearisation(found.z, near.tangent, frame.scale)
         why = no_fold(lambda z: self.linearise(z)[0], here, found.z, frame.scale)
-        return found if why is None else Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
+        return found if why is None else Rejected(f"no LP: {why}")
 
     def described(self, found: Outcome, frame: Frame) -> Outcome:
         """What was found with its normal form; nothing where it lies where the branch ends."""

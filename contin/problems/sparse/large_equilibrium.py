@@ -120,7 +120,7 @@ class LargeProblem(LargeEquations):
             here = here and replace(here, rough=True)  # for chords, which converge linearly anyway
             why = no_fold(self.residual, here, found.z, frame.scale)
             if why is not None:
-                return Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
+                return Rejected(f"no LP: {why}")
         return found
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:

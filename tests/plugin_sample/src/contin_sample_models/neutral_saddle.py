@@ -38,7 +38,7 @@ TYPE = SpecialType(
 @born(EquilibriumProblem, "NSA", "the curve of neutral saddles", parameters=2)
 def neutral_saddles(problem, point, parameters):
     """Seed of the curve, which contin knows as that of Hopf points with kappa = -eigenvalue^2."""
-    p, parent = problem.full_parameters(point.z), Parent(point.branch, point.label)
+    p, parent = problem.full_parameters(point.z), Parent.of(point)
     kappa = -(point.normal_form["eigenvalue"] ** 2)
     system, periods = problem.system, problem.angle_periods
     return [seed_of(system, "HB", parameters, point.z[:-1], p, point.scale[:-1], periods, kappa, parent)]
