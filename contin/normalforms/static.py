@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
 
 from contin.abi import Vector
-from contin.normalforms.jet import Jet, Real, along_units, lift, uncertain
+from contin.machine import elementary
+from contin.normalforms.jet import DerivativeJet, Jet, Real, along_units, lift, uncertain
 from contin.normalforms.linear import EigenPair, null_pair
 from contin.normalforms.result import STATE_ERROR, TRUST
 
 ROUNDING = 1e-13  # some hundred roundings
+MOST = 12  # states up to which forms are asked at all pairs of unit vectors
+DIRECTIONS = 4  # of random signs
 EPSILON = 8.0 * float(np.finfo(float).eps)  # of the largest component of a null vector
 StateError: TypeAlias = float | Real | None  # a length, one for each state, or None: from the jet's typical sizes
 
@@ -42,13 +46,18 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
     """Estimated error of <p, B(v, w)>: cancellation over the components, rounding within them, and the error of u0.
 
     An error e of the states (a length, or one for each state) enters through the third derivative, as
-    sum_i e_i |<p, C(v, w, e_i)>|.
+    sum_i e_i |<p, C(v, w, e_i)>|; where each form is dear, bounded by `by_signs`.
     """
     dv, dw = state(jet, v), state(jet, w)
     whole = np.abs(p) @ np.abs(jet.form(dv, dw))
     lengths = state_lengths(jet, state_error)
     moved = lengths != 0.0
-    drift = lengths[moved] @ np.abs(along_units(jet, dv, dw)[: jet.n][moved] @ p.conj()) if moved.any() else 0.0
+    if not moved.any():
+        drift = 0.0
+    elif are_dear(jet):
+        drift = by_signs(jet, lengths, lambda d: float(abs(jet.form(dv, dw, d) @ p.conj())))
+    else:
+        drift = lengths[moved] @ np.abs(along_units(jet, dv, dw)[: jet.n][moved] @ p.conj())
     off = np.abs(p) @ uncertain(jet, dv, dw)
     return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift + off)
 
@@ -78,18 +87,36 @@ def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
     """sum |p_i| |v_j| |w_k| |B_i(e_j, e_k)|: the scale of the rounding error of <p, B(v, w)>.
 
     Components of v and w that vanish are themselves known to rounding only: they count with the vector's length.
-    Up to n = 12 every entry of B enters; beyond, sums over one index (n evaluations) stand for them.
+    Up to n = 12 every entry of B enters; beyond, sums over one index (n evaluations) stand for them, or their bound.
     """
     n = jet.n
     weights = np.abs(p)
     v, w = _filled(jet, v), _filled(jet, w)
-    if n > 12:
+    if are_dear(jet):
+        return by_signs(jet, v, lambda d: float(weights @ np.abs(jet.form(d, state(jet, w)))))
+    if n > MOST:
         eye = np.eye(n)
         rows = [np.abs(jet.form(state(jet, eye[j]), state(jet, w))) * abs(v[j]) for j in range(n) if v[j] != 0]
         return float(sum(weights @ row for row in rows))
     products, terms = np.outer(v, w), np.zeros((n, n, n))
     np.multiply(jet.second_sizes, products, out=terms, where=products > 0.0)  # what does not enter may be infinite
     return float(weights @ terms.sum(axis=(1, 2)))
+
+
+def are_dear(jet: Jet) -> bool:
+    """Whether a form at every unit vector costs too much: of return maps of many states each is a way round."""
+    return jet.n > MOST and not (isinstance(jet, DerivativeJet) and jet.several is not None)
+
+
+def by_signs(jet: Jet, lengths: Real, modulus: Callable[[Vector], float]) -> float:
+    """A bound of sum_i lengths_i modulus(e_i), `modulus` that of a linear function, from a few directions.
+
+    Its root mean square over random signs of the lengths is the root of the sum of the squares.
+    """
+    generator = np.random.default_rng(41)
+    signs = generator.choice([-1.0, 1.0], (DIRECTIONS, jet.n))
+    squares = [elementary.square(modulus(state(jet, lengths * row))) for row in signs]
+    return float(np.sqrt(jet.n * np.mean(squares)))
 
 
 def _filled(jet: Jet, v: Vector) -> Real:

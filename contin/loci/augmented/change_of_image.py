@@ -9,7 +9,7 @@ and each one more costs products only, neither Jacobians nor factors.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -30,9 +30,9 @@ Sides = tuple[Sequence[Apply], Sequence[Apply]]  # products with J at all points
 
 @dataclass(frozen=True, eq=False)
 class ChangeOfImage:
-    """Of d (N, 3, n), real or complex, and q, a change of the active parameter, at z of the curve; scale is its metric.
+    """Of d (N, 3, n), real or complex, and a change q (2,) of the second and the active parameter, at z of the curve.
 
-    `solvers` are those of that point.
+    scale : its metric.  solvers : those of that point.
     """
 
     base: LargeOrbitBase
@@ -40,7 +40,12 @@ class ChangeOfImage:
     scale: Array
     solvers: Solvers
     d: Vector
-    q: float = 0.0
+    q: Array = field(default_factory=lambda: np.zeros(2))
+
+    @cached_property
+    def places(self) -> tuple[int, int]:
+        """Of the second and of the active parameter."""
+        return self.base.second, self.family.active
 
     @cached_property
     def family(self) -> LargeOrbitProblem:
@@ -50,22 +55,22 @@ class ChangeOfImage:
     def _parts(self) -> list[tuple[complex, Part]]:
         """Real directions and their weights."""
         if np.iscomplexobj(self.d):
-            return [(1.0, self._part(self.d.real, self.q)), (1.0j, self._part(self.d.imag, 0.0))]
+            return [(1.0, self._part(self.d.real, self.q)), (1.0j, self._part(self.d.imag, np.zeros(2)))]
         return [(1.0, self._part(self.d, self.q))]
 
-    def _part(self, d: Array, q: float) -> Part:
+    def _part(self, d: Array, q: Array) -> Part:
         sizes = self.family.orbit_sizes(self.base.inner(self.z), self.base.inner(self.scale))
-        reach = max(float(np.max(np.abs(d) / sizes)), abs(q) / float(self.scale[-1]))
+        reach = max(float(np.max(np.abs(d) / sizes)), float(np.max(np.abs(q) / self.scale[-2:])))
         return Part(self, d, q, STEP / reach if reach > 0.0 else 0.0)
 
     @cached_property
     def plain(self) -> Vector:
         """J d + f_p q"""
         moved = self.solvers.product(self.d)
-        if self.q == 0.0:
-            return moved
         U, p = self.states, self.family.full_parameters(self.base.inner(self.z))
-        return np.asarray(moved + self.q * self._slopes(U, p, self.family.active))
+        for place, q in zip(self.places, self.q.tolist(), strict=True):
+            moved = moved if q == 0.0 else moved + q * self._slopes(U, p, place)
+        return np.asarray(moved)
 
     @cached_property
     def states(self) -> Array:
@@ -80,8 +85,7 @@ class ChangeOfImage:
         family, inner = self.family, self.base.inner(self.z)
 
         def by_scalars() -> Array:
-            places = (self.base.second, family.active)
-            return np.asarray(np.einsum("k,kjin->jin", x[-3:], family.by_scalars(inner, places)))
+            return np.asarray(np.einsum("k,kjin->jin", x[-3:], family.by_scalars(inner, self.places)))
 
         return family.layout.carried(self.solvers.sweeps, x[:-3], by_scalars)
 
@@ -98,12 +102,37 @@ class ChangeOfImage:
 
 
 @dataclass(frozen=True, eq=False)
+class ChangeOfEquations:
+    """How E' t changes, for t with the orbit's change and parameters of `image`, and the change of the period."""
+
+    image: ChangeOfImage
+    period: float
+
+    @cached_property
+    def _slopes(self) -> Array:
+        """h (A x f_p) of the second and of the active parameter."""
+        image = self.image
+        found = image.family.by_scalars(image.base.inner(image.z), image.places)
+        return np.asarray(found[1:] / image.z[-3])
+
+    def along(self, x: Array) -> Vector | None:
+        """dE' t along x, unscaled, but for its sign."""
+        stages = self.image.stages(x)
+        change = self.image.along(x, stages)
+        if change is None:
+            return None
+        h = self.image.solvers.h[:, None, None]
+        moved = h * np.einsum("ik,jkn->jin", A, self.image.solvers.product(stages))
+        return np.asarray(change + self.period * (moved + np.einsum("k,kjin->jin", x[-2:], self._slopes)))
+
+
+@dataclass(frozen=True, eq=False)
 class Part:
     """d/ds along one real direction, by a central difference of length `step`."""
 
     whole: ChangeOfImage
     d: Array
-    q: float
+    q: Array
     step: float
 
     @cached_property
@@ -112,7 +141,7 @@ class Part:
         whole, found = self.whole, []
         for s in (self.step, -self.step):
             p = whole.family.full_parameters(whole.base.inner(whole.z))
-            p[whole.family.active] += s * self.q
+            p[list(whole.places)] += s * self.q
             found.append((whole.states + s * self.d, p))
         return found
 
@@ -126,8 +155,7 @@ class Part:
     def _slopes(self) -> Array:
         """d/ds f_p of the second and of the active parameter, (2, N, 3, n)."""
         whole = self.whole
-        ends = [[whole._slopes(U, p, place) for place in (whole.base.second, whole.family.active)]
-                for U, p in self._ends]  # fmt: skip
+        ends = [[whole._slopes(U, p, place) for place in whole.places] for U, p in self._ends]
         return np.asarray((np.array(ends[0]) - np.array(ends[1])) / (2.0 * self.step))
 
     def second(self, stages: Array, parameters: Array) -> Array | None:

@@ -154,7 +154,8 @@ class CurveEquations(Problem):
 
     def near(self, z: Array, scale: Array, more: tuple[Held, ...] = ()) -> Near | None:
         """The curve with border rows and scalars that are good near z; None where its equations have no value."""
-        base = self.base if self.base.is_settled else self.base.settled(z, scale)
+        own = self if self.base.is_settled else replace(self, base=self.base.settled(z, scale))
+        base = own.base
         rows = first_rows(base.varying - base.conditions, z.size)
         here = base.linearise(z, scale, rows)
         if here is None or is_singular(here):
@@ -162,7 +163,7 @@ class CurveEquations(Problem):
         found = null_space(here, len(rows))  # that of E', whatever the rows
         if not np.all(np.isfinite(found)):
             return None
-        return Near(self, base, orthonormal(found.T), joined((*self.held, *more), self, z, scale))
+        return Near(self, base, orthonormal(found.T), joined((*self.held, *more), own, z, scale))
 
     def beside(self, z: Array, frame: Frame) -> Self:
         """The curve as it is looked at next to a chunk; where there is none, next to z."""

@@ -17,10 +17,12 @@ from contin.continuation.position import position
 from contin.continuation.problem import Renewal
 from contin.continuation.sample import Chunk, Frame, Sample, opposite
 from contin.continuation.settings import Settings
+from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.loci.augmented.augmented_curve import AugmentedCurve
+from contin.loci.augmented.branch_points_of_large_orbits import FEW_ROWS, while_across
 from contin.loci.augmented.curve_equations import TURNS, Bounds, Held, Near
-from contin.loci.augmented.large_orbits import LargeOrbitBase
+from contin.loci.augmented.large_orbits import BEHIND, LargeOrbitBase
 from contin.loci.augmented.tests_of_large_orbits import curvature, graded
 from contin.loci.orbits import criticality
 from contin.loci.orbits.curve_of_orbits import ANGLES
@@ -40,6 +42,7 @@ SAFETY: Final = 2.0  # of the change to a finer mesh, which has an error of its 
 BRACKET: Final = 1e-3  # (scaled arclength) half-width, within which an event has been isolated
 ONLY_TORI: Final = ("LPNS", "PDNS", "NSNS", "R3", "R4")  # none of two real multipliers with product 1
 GRADED: Final = ("CPC", "GPD", "CH")  # which the coefficient tells
+FORCED: Final = 1e-3  # of the tangent of a curve of branch points: more opens the orbits
 FEW: Final = {"pairs": 2, "flips": 1, "ones": 1}
 KINDS: Final = ("pairs", "flips", "ones")
 
@@ -54,7 +57,7 @@ class LastNear:
 
 @dataclass(frozen=True, eq=False)
 class LargeOrbitCurve(AugmentedCurve):
-    """`base` is a `LargeOrbitBase`, `type` LPC, PD or NS."""
+    """`base` is a `LargeOrbitBase`, `type` LPC, PD, NS or BPC."""
 
     base: LargeOrbitBase
     _last: LastNear = field(default_factory=LastNear)
@@ -65,6 +68,15 @@ class LargeOrbitCurve(AugmentedCurve):
     def effort(self) -> dict[str, int]:
         """As of families."""
         return self.base.problem.effort()
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        found = super().tangents(z, scale)
+        if self.type == "BPC" and not abs(found[0][-BEHIND]) < FORCED:
+            raise InputError(
+                f"BPC: nothing forces this branch point when {self.names[0]} and {self.names[1]} vary (no symmetry, no "
+                "family that stays): it is single in their plane and has no curve there; try another second parameter"
+            )
+        return found
 
     def near(self, z: Array, scale: Array, more: tuple[Held, ...] = ()) -> Near | None:
         """As of every curve; what solves have learnt before, elsewhere, is left out, for answers depend on z alone."""
@@ -90,7 +102,9 @@ class LargeOrbitCurve(AugmentedCurve):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: Bounds, settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
+        limit = min(limit, FEW_ROWS) if self.type == "BPC" else limit
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = while_across(chunk) if self.type == "BPC" else chunk
         chunk = criticality.cut_at_change(self, chunk, frame.scale)
         return cut_at_birth(self, chunk, frame, settings)
 
@@ -173,7 +187,7 @@ class LargeOrbitCurve(AugmentedCurve):
     def _with_coefficients(self, point: Verified, finer: LargeOrbitBase, z: Array) -> Verified:
         """finer, z : the base of the curve on half the lengths, and the point there."""
         coarse = self.base.at(point.z), self.base.inner(point.z)
-        why = why_none(point.type, coarse[0])
+        why = why_none(point.type, coarse[0]) if self.type != "BPC" else "they are not computed on curves of BPC"
         if why is not None:
             return with_remark(point, f"orbits of large systems: {why}")
         angle = ANGLES.get(point.type, 0.0)
@@ -192,8 +206,7 @@ class LargeOrbitCurve(AugmentedCurve):
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[LargeOrbitCurve, Sample, Frame] | None:
         base, moved, metric = self.base.finer(sample.z)
-        held = tuple(replace(one, base=base) for one in self.held)  # type: ignore[type-var]
-        curve = replace(self, base=base, held=held, _last=LastNear())
+        curve = replace(self, base=base, _last=LastNear())
         scale = metric(frame.scale)
         tangent = moved(sample.tangent * frame.scale) / scale
         near = replace(sample, z=moved(sample.z), tangent=tangent / norm(tangent))
@@ -228,7 +241,9 @@ class LargeOrbitCurve(AugmentedCurve):
 
     def _untold(self, z: Array) -> Sequence[str]:
         """That the coefficient, whose zero is a point of codimension two, is not known at a row."""
-        name = next(name for name in tests_of_orbits(self.type) if name in GRADED)
+        name = next((name for name in tests_of_orbits(self.type) if name in GRADED), None)
+        if name is None:
+            return ()
         graded_by = self.type in criticality.SLOTS
         value = self.critical_coefficient(z, z)[0] if graded_by else self.base.stability(self.type, z)[0][-1]
         if np.isfinite(value):

@@ -2,6 +2,9 @@
 
 z = (states, T, second parameter, first parameter), as in `contin.problems.large_orbits`. The large solves are those of
 a family: from interval to interval, with the monodromy matrix inside GMRES, and one column more.
+
+On curves of branch points the equations alone are singular. They are unfolded: the orbit closes up to a multiple of a
+fixed jump, an unknown behind T that is zero where a symmetry, or an invariant family, forces the branch points.
 """
 
 from __future__ import annotations
@@ -16,8 +19,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.tests_of_large_orbits import measured_at
+from contin.problems.large_orbits.closing import across_closing
 from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
-from contin.problems.large_orbits.linearised import OrbitLinearisation
+from contin.problems.large_orbits.linearised import Jump, OrbitLinearisation
 from contin.problems.scales import parameter_width
 
 BEHIND: Final = 3  # unknowns behind the states: period and two parameters
@@ -33,15 +37,25 @@ class Latest:
 
 @dataclass(frozen=True, eq=False)
 class LargeOrbitBase(Base):
-    """problem : of the family, the first parameter active.  second : place of the other among the system's."""
+    """problem : of the family, the first parameter active.  second : place of the other among the system's.
+
+    unfolded : with a jump's length among the unknowns.  jump : its direction (n,), chosen for a stretch of a curve.
+    """
 
     problem: LargeOrbitProblem
     second: int
+    unfolded: bool = False
+    jump: Array | None = None
     _latest: Latest = field(default_factory=Latest)
 
     @property
+    def _count(self) -> int:
+        """Unknowns."""
+        return self._states + BEHIND + self.unfolded
+
+    @property
     def angle_periods(self) -> Array:
-        return np.zeros(self._states + BEHIND - 1)
+        return np.zeros(self._count - 1)
 
     @property
     def _states(self) -> int:
@@ -53,7 +67,7 @@ class LargeOrbitBase(Base):
 
     @property
     def growing(self) -> NDArray[np.bool_]:
-        return np.arange(self._states + BEHIND) < self._states
+        return np.arange(self._count) < self._states
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,11 +76,41 @@ class LargeOrbitBase(Base):
 
     @property
     def conditions(self) -> int:
-        return 0
+        return -int(self.unfolded)  # a jump is one more unknown to meet them with
+
+    @property
+    def gauge(self) -> Array | None:
+        return self.jump
+
+    @property
+    def is_settled(self) -> bool:
+        return self.jump is not None or not self.unfolded
+
+    def gauged(self, gauge: Array | None) -> LargeOrbitBase:
+        return self if gauge is None else replace(self, jump=gauge)
+
+    def settled(self, z: Array, scale: Array) -> LargeOrbitBase:
+        if not self.unfolded:
+            return self
+        jump = across_closing(self.at(z), self.inner(z))
+        return self if jump is None else replace(self, jump=jump)
+
+    @property
+    def folded(self) -> LargeOrbitBase:
+        """Of orbits that close."""
+        return replace(self, unfolded=False, jump=None) if self.unfolded else self
+
+    def closed(self, z: Array) -> Array:
+        """z without the jump."""
+        return np.delete(z, -BEHIND) if self.unfolded else z
 
     def inner(self, z: Array) -> Array:
         """(U, T, first parameter), also of a metric or tangent."""
-        return np.append(z[:-2], z[-1])
+        return np.append(z[: -2 - self.unfolded], z[-1])
+
+    def joined(self, inner: Array, z: Array) -> Array:
+        """The rest of z behind (U, T)."""
+        return np.concatenate([inner[:-1], z[-2 - self.unfolded : -1], inner[-1:]])
 
     def at(self, z: Array) -> LargeOrbitProblem:
         """The family through z."""
@@ -81,7 +125,8 @@ class LargeOrbitBase(Base):
     def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
         inner = self.at(z).initial_scale(self.inner(z), ranges[0])
         second = parameter_width(self.system.model, self.names[1], float(z[-2]), ranges[1])
-        return np.concatenate([inner[:-1], [second, inner[-1]]])
+        size = float(inner[0]) * np.sqrt(self.problem.n / self._states)  # of a state's change, as a vector
+        return self.joined(inner, np.array([*[size] * self.unfolded, second, np.nan]))
 
     def settle(self, z: Array) -> None:
         """The phase is that of z."""
@@ -91,8 +136,12 @@ class LargeOrbitBase(Base):
     def linearise(self, z: Array, scale: Array, rows: Array) -> OrbitLinearisation | None:
         if self.problem.memory.direction is None:
             self.settle(z)
-        problem = self.at(z)
-        return problem.bordered(self.inner(z), (self.second, problem.active), rows, scale)
+        problem, jump = self.at(z), None
+        if self.unfolded:
+            if self.jump is None:  # none was found
+                return None
+            jump = Jump(self.jump, float(z[-BEHIND]))
+        return problem.bordered(self.inner(z), (self.second, problem.active), rows, scale, jump=jump)
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         return measured_at(self.at(z), self.inner(z), type_, self.second)
@@ -103,8 +152,7 @@ class LargeOrbitBase(Base):
 
         def outer(change: Callable[[Array], Array]) -> Callable[[Array], Array]:
             def changed(row: Array) -> Array:
-                inner = change(self.inner(row))
-                return np.append(inner[:-1], [row[-2], inner[-1]])
+                return self.joined(change(self.inner(row)), row)
 
             return changed
 

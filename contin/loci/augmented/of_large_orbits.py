@@ -1,6 +1,6 @@
-"""Curves in two parameters of folds, period doublings and torus bifurcations of orbits of large systems.
+"""Curves in two parameters of folds, period doublings, torus bifurcations and branch points of large orbits.
 
-What vanishes on them is in `scalars_of_large_orbits`.
+What vanishes on them is in `scalars_of_large_orbits` and `branch_points_of_large_orbits`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Parent
 from contin.continuation.seed import Seed
+from contin.loci.augmented.branch_points_of_large_orbits import crossing
 from contin.loci.augmented.curve_equations import CurveEquations
 from contin.loci.augmented.elimination import Scalars, first_rows, null_space
 from contin.loci.augmented.large_orbit_curve import LargeOrbitCurve
@@ -67,7 +68,6 @@ def in_second(base: LargeOrbitBase) -> LargeOrbitBase:
 class Special:
     """The condition of a type of special orbits."""
 
-    base: LargeOrbitBase
     type: str
 
     @property
@@ -75,9 +75,13 @@ class Special:
         return f"the condition of {self.type}"
 
     def near(self, problem: CurveEquations, z: Array, scale: Array) -> Scalars:
-        family, inner = self.base.at(z), self.base.inner(z)
+        base = problem.base
+        assert isinstance(base, LargeOrbitBase)
+        family, inner = base.at(z), base.inner(z)
+        if self.type == "BPC":
+            return crossing(base, z, scale)
         if self.type == "LPC":
-            base, moved = self.base, TurningInSecond.swapped
+            moved = TurningInSecond.swapped
             if not runs_along_first(base, z, scale):
                 return Turning(base, scale, family.tangents(inner, base.inner(scale))[0])
             base, z, scale = in_second(base), moved(z), moved(scale)
@@ -88,19 +92,20 @@ class Special:
         if self.type == "NS":
             pair = critical_pair(values)
             return (lambda at: np.full(1, np.nan)) if pair is None else Followed(
-                self.base, scale, plane_of(values, vectors, pair)
+                base, scale, plane_of(values, vectors, pair)
             )  # fmt: skip
         k = critical_index(values, self.type)
         if k is None or sweeps is None:
             return lambda at: np.full(1, np.nan)
         borders = Monodromy.at(sweeps, -1.0, np.real(vectors[:, [k]]))
-        return Flipped(self.base, scale, np.real(borders.b[:, 0]), np.real(borders.c[:, 0]))
+        return Flipped(base, scale, np.real(borders.b[:, 0]), np.real(borders.c[:, 0]))
 
 
 def curve_of(problem: LargeOrbitProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent) -> Seed:
     """The curve of special orbits of a type in two parameters, from one of them."""
     first, second = indices(problem.system, parameters)
     p = problem.full_parameters(z)
-    base = LargeOrbitBase(replace(problem, base=p.copy(), active=first, memory=Memory()), second)
-    made = LargeOrbitCurve(base, (Special(base, type_),), type_, tuple(parameters))
-    return Seed(made, np.concatenate([z[:-1], [p[second], p[first]]]), parent=parent)
+    unfolded = type_ == "BPC"
+    base = LargeOrbitBase(replace(problem, base=p.copy(), active=first, memory=Memory()), second, unfolded)
+    made = LargeOrbitCurve(base, (Special(type_),), type_, tuple(parameters))
+    return Seed(made, np.concatenate([z[:-1], [0.0] * unfolded, [p[second], p[first]]]), parent=parent)

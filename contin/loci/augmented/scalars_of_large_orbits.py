@@ -5,7 +5,7 @@ the left vector.
 NS : log |mu_1 mu_2| = 0 of the two multipliers of an invariant plane that is followed, which is smooth where they meet,
 at resonances 1:1 and 1:2 (`contin.problems.large_orbits.invariant_plane`); beyond these they are real.
 LPC : t_p = 0 of [E'; b^T] t = e_last, the tangent of the family in the parameter along which the curve moves less;
-E' dt = -dE' t.
+E' dt = -dE' t. (BPC : `branch_points_of_large_orbits`.)
 
 dM v and dE' t along a direction are one way round the orbit, with the change of the linearised equations as its right
 side (`change_of_image`): no factors of other orbits, and Jacobians beside the orbit once for all directions.
@@ -19,14 +19,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.abi import Array, Vector
+from contin.abi import Array
 from contin.linalg.vectors import dot, norm
-from contin.loci.augmented.change_of_image import ChangeOfImage
+from contin.loci.augmented.change_of_image import ChangeOfEquations, ChangeOfImage
 from contin.loci.augmented.large_orbits import LargeOrbitBase
 from contin.machine import elementary
 from contin.problems.large_orbits.cycle import Monodromy
 from contin.problems.large_orbits.invariant_plane import Across, Plane, plane_near
-from contin.problems.large_orbits.radau import A
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.linearised import OrbitLinearisation
@@ -155,8 +154,8 @@ class Turning:
                 d = family.carried(inner, t * self._own)
                 if d is not None:
                     raw = t[-2:] * self._own[-2:]
-                    image = ChangeOfImage(self.base, z.copy(), self.scale, solvers, d, float(raw[1]))
-                    known = TangentAt(here, t, float(raw[0]), image)
+                    image = ChangeOfImage(self.base, z.copy(), self.scale, solvers, d, np.array([0.0, raw[1]]))
+                    known = TangentAt(here, t, ChangeOfEquations(image, float(raw[0])))
             self._last = z.copy(), known
         return self._last[1]
 
@@ -166,7 +165,7 @@ class Turning:
 
     def along(self, z: Array, x: Array) -> Array:
         here = self._at(z)
-        change = None if here is None else here.change(x)
+        change = None if here is None else here.change.along(x)
         if here is None or change is None:
             return np.full(1, np.nan)
         return np.array([float(here.linear.response(change)[-1])])
@@ -174,27 +173,8 @@ class Turning:
 
 @dataclass(frozen=True, eq=False)
 class TangentAt:
-    """t (scaled), b^T t = 1, its part by the period (unscaled), and how the linearised equations change."""
+    """t (scaled), b^T t = 1, and how the linearised equations change."""
 
     linear: OrbitLinearisation
     t: Array
-    period: float
-    image: ChangeOfImage
-
-    @cached_property
-    def _slopes(self) -> Array:
-        """h (A x f_p) of the second and of the active parameter."""
-        image = self.image
-        places = (image.base.second, image.family.active)
-        found = image.family.by_scalars(image.base.inner(image.z), places)
-        return np.asarray(found[1:] / image.z[-3])
-
-    def change(self, x: Array) -> Vector | None:
-        """dE' t along x, but for its sign."""
-        stages = self.image.stages(x)
-        change = self.image.along(x, stages)
-        if change is None:
-            return None
-        h = self.image.solvers.h[:, None, None]
-        moved = h * np.einsum("ik,jkn->jin", A, self.image.solvers.product(stages))
-        return np.asarray(change + self.period * (moved + np.einsum("k,kjin->jin", x[-2:], self._slopes)))
+    change: ChangeOfEquations

@@ -1,4 +1,4 @@
-"""Tests for points of codimension two on curves of folds, period doublings and torus bifurcations of large orbits.
+"""Tests for points of codimension two on curves of special orbits of large systems.
 
 In the order of `contin.special.table.tests_of_orbits`: of the other multipliers that are known (those near the unit
 circle or outside) pairs, one at -1 and one at 1, which change sign as one of their kind crosses; cos(theta) of a torus'
@@ -17,7 +17,7 @@ from contin.normalforms.cycles import coefficient
 from contin.problems.large_orbits.crossing import vertical_term
 from contin.problems.large_orbits.cycle import LargeCycle
 from contin.problems.large_orbits.multipliers import critical_index, critical_pair, tests_of
-from contin.special.table import special_type
+from contin.special.table import special_type, tests_of_orbits
 
 if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit import LargeOrbitProblem
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 BESIDE: Final = 0.03  # distance of a multiplier from the critical one below which their sum tells where it is
 UNDECIDED: Final = 1e-7  # of 1/(period size^2): terms of a coefficient this small are rounding
 COSINES: Final = ("R1", "R2", "R3", "R4")
-CRITICAL: Final = {"LPC": 1.0, "PD": -1.0}
+CRITICAL: Final = {"LPC": 1.0, "BPC": 1.0, "PD": -1.0}
 
 
 def measured_at(
@@ -41,8 +41,10 @@ def measured_at(
     critical = critical_places(values, type_)
     if critical is None:  # what is critical is nearest to the unit circle
         beside = np.argsort(np.abs(np.abs(values) - 1.0))[2 if type_ == "NS" else 1 :]
-        return np.full(4 if type_ != "NS" else 8, np.nan), tests_of(values[beside])[1], whole
+        return np.full(len(tests_of_orbits(type_)), np.nan), tests_of(values[beside])[1], whole
     (pairs, flips, ones), unstable = tests_of(others_of(values, type_))
+    if type_ == "BPC":
+        return np.array([pairs, flips, ones]), unstable, whole
     k, value, cosines = critical[0], float("nan"), []
     if type_ == "NS":
         cosine = 0.5 * float((values[k] + values[critical[1]]).real)  # of two with product 1, real ones too

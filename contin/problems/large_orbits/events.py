@@ -92,7 +92,10 @@ def on_finer_mesh(
     if type_ == "LPC":
         moved += 0.5 * found.slope * elementary.square(ahead)
     error = SAFETY * abs(float(moved)) * float(frame.scale[-1])
-    return error, (finer, _there(finer, type_, there, measured, ahead, scale)) if np.isfinite(error) else None
+    if not np.isfinite(error):
+        return error, None
+    z = _there(finer, type_, there, measured, ahead, scale)  # a step more: slopes differ beside a branch point
+    return max(error, SAFETY * abs(float(z[-1] - found.at.z[-1]))), (finer, z)
 
 
 def _there(finer: LargeOrbitEquations, type_: str, near: At, measured: float, ahead: float, scale: Array) -> Array:

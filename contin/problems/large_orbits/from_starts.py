@@ -194,6 +194,9 @@ class FromStarts(Layout):
         ends = [orbit.U[j - 1, 2] for j in self.starts]
         return np.asarray(states - np.concatenate(ends))
 
+    def jumped(self, points: Points, left: Array, jump: Array) -> Array:
+        return np.append(left[: jump.size] - jump, left[jump.size :])
+
     def slopes(self, points: Points, p: Array, orbit: Trajectory) -> Array:
         with np.errstate(all="ignore"):
             return np.asarray(orbit.period * points.values(orbit.beginnings[self.starts], p).ravel())

@@ -16,7 +16,7 @@ from contin.linalg.factor import Factoriser
 from contin.linalg.recycled import Recycled
 from contin.linalg.vectors import dot, norm
 from contin.problems.large_orbits.layout import Layout
-from contin.problems.large_orbits.linearised import OrbitLinearisation, Solvers
+from contin.problems.large_orbits.linearised import Jump, OrbitLinearisation, Solvers
 from contin.problems.large_orbits.multipliers import Multipliers, leading
 from contin.problems.large_orbits.points import Points
 from contin.problems.large_orbits.radau import A, Trajectory
@@ -180,6 +180,13 @@ class LargeOrbitEquations(InOneParameterProblem):
 
     def by_scalars(self, z: Array, places: Sequence[int]) -> Array:
         """Derivatives (1 + k, N, 3, n) of T h (A x 1) f by the period and by k parameters."""
+        known, key = self.memory.solvers, tuple(places)
+        kept = {} if known is None or not np.array_equal(known.z, z) else known.forces
+        if key not in kept:
+            kept[key] = self._by_scalars(z, places)
+        return kept[key]
+
+    def _by_scalars(self, z: Array, places: Sequence[int]) -> Array:
         orbit, p = self.profile(z), self.full_parameters(z)
         states = orbit.U.reshape(-1, self.n)
         slopes = [self.points.values(states, p).reshape(orbit.U.shape)]
@@ -204,24 +211,31 @@ class LargeOrbitEquations(InOneParameterProblem):
         return made
 
     def bordered(
-        self, z: Array, places: Sequence[int], rows: Array, scale: Array, rough: bool = False
+        self, z: Array, places: Sequence[int], rows: Array, scale: Array, rough: bool = False, jump: Jump | None = None
     ) -> OrbitLinearisation | None:
         """The equations with these parameters free, the phase condition and `rows` (k, S + 1 + parameters), scaled."""
         residual = self.residual(z)
+        if jump is not None:
+            left = self.layout.jumped(self.points, residual[:-1], jump.length * jump.direction)
+            residual = np.append(left, residual[-1])
         solvers = self.solvers(z) if np.all(np.isfinite(residual)) else None
         if solvers is None:
             return None
         assert self.memory.direction is not None
-        count = 1 + len(places)
         key = tuple(places)
         if key not in solvers.answers:
             rest = np.zeros(self.n)
             solvers.answers[key] = np.array([solvers.sweeps.along(rest, c) for c in self.by_scalars(z, places)])
+        answers, gaps = solvers.answers[key], None
+        if jump is not None:
+            answers = np.insert(answers, 1, 0.0, axis=0)
+            gaps = np.insert(np.zeros((len(answers) - 1, self.n)), 1, jump.direction, axis=0)
+        count = len(answers)
         phase = np.append(self.memory.direction, np.zeros(count))
         size = float(scale[0]) / np.sqrt(len(scale) - count)
         closed = Closed(
-            solvers.sweeps, np.vstack([phase, rows / scale]), np.append(size, scale[-count:]), solvers.answers[key],
-            self.layout.pick, solvers.recycled.setdefault(count, Recycled()),
+            solvers.sweeps, np.vstack([phase, rows / scale]), np.append(size, scale[-count:]), answers,
+            self.layout.pick, solvers.recycled.setdefault((count, gaps is not None), Recycled()), gaps,
         )  # fmt: skip
         scaled = np.append(residual[:-1] / scale[:-count], residual[-1])
         return OrbitLinearisation(scaled, closed, scale, self.layout, count > 2, rough)

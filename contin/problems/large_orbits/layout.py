@@ -42,6 +42,10 @@ class Layout(ABC):
         """What is left of the equations (S,)."""
 
     @abstractmethod
+    def jumped(self, points: Points, left: Array, jump: Array) -> Array:
+        """The same where the orbit begins a jump (n,) away from where it ends."""
+
+    @abstractmethod
     def slopes(self, points: Points, p: Array, orbit: Trajectory) -> Array:
         """Derivatives of the unknowns (S,) by the time in periods."""
 
@@ -102,6 +106,11 @@ class OnPoints(Layout):
         step = orbit.period * orbit.h[:, None, None]
         moved = points.weighed(orbit.U - orbit.beginnings[:, None])
         return np.asarray(moved - step * np.einsum("ik,jkn->jin", A, f)).ravel()
+
+    def jumped(self, points: Points, left: Array, jump: Array) -> Array:
+        rows = left.reshape(self.intervals, STAGES, -1).copy()
+        rows[0] -= points.weighed(jump)
+        return rows.ravel()
 
     def slopes(self, points: Points, p: Array, orbit: Trajectory) -> Array:
         return orbit.slopes.ravel()

@@ -24,6 +24,14 @@ CHORD: Final = 0.01  # ... and of a correction by the matrix of another point, w
 TANGENT: Final = 1e-9  # error of tangents that a march steps along
 
 
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """The orbit begins `length` times `direction` (n,) away from where it ends; the length is an unknown behind T."""
+
+    direction: Array
+    length: float
+
+
 @dataclass(eq=False)
 class Solvers:
     """The factors of one point, and what solves with them, and with those of points nearby, have learnt."""
@@ -32,8 +40,9 @@ class Solvers:
     h: Array  # lengths of the intervals
     sweeps: Sweeps
     jacobians: Sequence[csc_matrix]  # at all points
-    answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # to dT and dp, by places of parameters
-    recycled: dict[int, Recycled] = field(default_factory=dict)  # by the number of conditions
+    forces: dict[tuple[int, ...], Array] = field(default_factory=dict)  # by dT and dp, by places of parameters, ...
+    answers: dict[tuple[int, ...], Array] = field(default_factory=dict)  # ... and what they lead to
+    recycled: dict[tuple[int, bool], Recycled] = field(default_factory=dict)  # by the number of conditions, and jumps
     leading: Multipliers | None = None
 
     def product(self, d: Vector) -> Vector:

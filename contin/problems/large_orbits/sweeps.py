@@ -131,6 +131,7 @@ class Closed:
 
     rows (k, S + k), S unknowns of an orbit.  sizes (1 + k,) : of states, T and p.
     answers (k, N, 3, n) : what the columns by dT and dp lead to from a beginning at rest.
+    gaps (k, n) : what the columns add where the orbit closes, if any does.
     pick : (d (N, 3, n), d_{-1,3} (n,), jumps) -> what changes of the S unknowns belong to them.
     recycled : what solves have learnt, of these equations and of those of points nearby.
     """
@@ -141,6 +142,7 @@ class Closed:
     answers: Array
     pick: Pick
     recycled: Recycled
+    gaps: Array | None = None
 
     def solve(
         self, right: Array | None, jumps: Jumps | None, below: Array, again: bool = False, wanted: Wanted | None = None
@@ -171,7 +173,8 @@ class Closed:
         def apply(v: Array) -> Array:
             w = v * units
             d = whole(w)
-            return np.append((w[:n] - d[-1, 2]) / size, conditions(d, w[:n], w[n:]))
+            closed = w[:n] - d[-1, 2] if self.gaps is None else w[:n] - d[-1, 2] - w[n:] @ self.gaps
+            return np.append(closed / size, conditions(d, w[:n], w[n:]))
 
         known = np.append(
             (particular[-1, 2] + gap) / size,

@@ -29,6 +29,7 @@ from contin.systems.functions.stencils import differentiated
 from contin.systems.functions.tensors import second, third
 
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
+ROUGH = 1e-4  # relative step of a difference of matrices
 MANY = 20_000  # states that are asked in one direction
 ROUNDED = 8.0 * EPS  # a length that is off by this from 1 is 1
 
@@ -178,6 +179,15 @@ class Lines:
         room = self._room(u, p, v, reach)
         ahead = lambda t: matrix(u + t * v[:n], p + t * v[n:])  # noqa: E731
         return differentiated(ahead, 1, reach * self.wider, self.levels, room=room)
+
+    def roughly_along(self, matrix: Callable[[Array, Array], Array], u: Array, p: Array, v: Array) -> Array:
+        """The same to some 1e-8 by two matrices, not six, where these are exact: for Newton's method and tangents."""
+        n, reach = len(u), self._reach(u, p, v)
+        if reach == 0.0 or self.levels or self.grain is not None or self._room(u, p, v, reach) != 1.0:
+            return self.along(matrix, u, p, v)
+        step = ROUGH * reach * v
+        ahead, behind = (matrix(u + s * step[:n], p + s * step[n:]) for s in (1.0, -1.0))
+        return np.asarray((ahead - behind) / (2.0 * ROUGH * reach))
 
     def _reach(self, u: Array, p: Array, v: Array) -> float:
         """How far along v an unknown changes by its own size; 0 for v = 0."""

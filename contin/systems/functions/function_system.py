@@ -477,17 +477,18 @@ class FunctionSystem:
         made.lines = replace(self.lines, wider=factor, unsure=factor in OTHERS)
         return made
 
-    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
-        """The matrix D^2F(z)[v, .], (n, n + m), v real or complex."""
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike, roughly: bool = False) -> Vector:
+        """The matrix D^2F(z)[v, .], (n, n + m), v real or complex; `roughly` as Newton's method needs it."""
         direction = np.asarray(v)
         if np.iscomplexobj(direction):
             return self.gradient(u, p, direction.real) + 1j * self.gradient(u, p, direction.imag)
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+        along = self.lines.roughly_along if roughly else self.lines.along
         with np.errstate(all="ignore"):
             if self._by_complex_steps(states, others):
-                return self.lines.along(self._columns, states, others, direction)
+                return along(self._columns, states, others, direction)
             if self.lines.analytic or self.model.jacobian is not None:
-                return self.lines.along(self._slopes_by_all, states, others, direction)
+                return along(self._slopes_by_all, states, others, direction)
         unit = np.eye(self.n + self.m)
         return np.column_stack([self.derivative(u, p, direction, row) for row in unit])
 

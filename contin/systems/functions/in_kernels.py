@@ -74,7 +74,7 @@ class FunctionInKernels(FunctionSystem):
             try:
                 states, others, direction = _view(u, n), _view(p, self.m), _view(v, width)
                 product[:] = self.lines.first(states, others, direction)
-                matrix[:] = np.asarray(self.gradient(states, others, direction), dtype=float).ravel()
+                matrix[:] = np.asarray(self.gradient(states, others, direction, True), dtype=float).ravel()
             except BaseException as error:  # noqa: BLE001  (raised again by `_raise`)
                 self._raised = error
 

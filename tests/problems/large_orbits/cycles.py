@@ -48,6 +48,26 @@ def planted(a3, a5, exact=False):
     return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5, "a": 0.0}, states=names, **derivatives)
 
 
+def crossing():
+    """A circle of radius 1/2 with s' = s (p^2 + q^2 - 1/4 - s), turning at a rate 1 + 3 s/10: on p^2 + q^2 = 1/4 the
+    family s = p^2 + q^2 - 1/4 crosses s = 0, with another period."""
+
+    def residual(z, k):
+        x, y, s = z.tolist()
+        growth, rate = 0.25 - x * x - y * y, 1.0 + 0.3 * s
+        return np.array([growth * x - rate * y, growth * y + rate * x, s * (k["p"] ** 2 + k["q"] ** 2 - 0.25 - s)])
+
+    def jacobian(z, k):
+        x, y, s = z.tolist()
+        growth, rate = 0.25 - x * x - y * y, 1.0 + 0.3 * s
+        return sparse.csc_matrix([
+            [growth - 2 * x * x, -rate - 2 * x * y, -0.3 * y], [rate - 2 * x * y, growth - 2 * y * y, 0.3 * x],
+            [0.0, 0.0, k["p"] ** 2 + k["q"] ** 2 - 0.25 - 2 * s],
+        ])  # fmt: skip
+
+    return contin.FunctionProblem(residual, np.zeros(3), {"p": 0.3, "q": 0.4}, jacobian)
+
+
 def family(problem, span, **settings):
     line = contin.continuation(problem, "mu", (-0.6, 0.2))
     hopf = next(p for p in line.points if p.type == "HB" and abs(p.values["mu"]) < 1e-6)
