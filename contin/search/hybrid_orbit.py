@@ -201,9 +201,12 @@ def _closed(
     """Newton's method from a cycle that nearly closes."""
     patience = (PATIENCE if flow.forced else LONGEST_PERIOD) * (cycle[-1].time - cycle[0].time)
     arcs = tuple(
-        Arc(here.events[0], here.events[1:], here.time - before.time, patience)
+        Arc(
+            here.events[0], here.events[1:], here.time - before.time, patience,
+            flow.is_on(here.events[0], before.after, p, sizes),
+        )
         for before, here in itertools.pairwise(cycle)
-    )
+    )  # fmt: skip
     angles = _angles(flow, p)
     u = np.where(angles > 0.0, np.mod(cycle[0].after, np.where(angles > 0.0, angles, 1.0)), cycle[0].after)
     returning = ReturnSystem(flow, arcs, winding, sizes)

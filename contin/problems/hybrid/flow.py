@@ -14,6 +14,7 @@ from contin.lowering.system import CompiledSystem, compile_in_time
 from contin.model.expression import ZERO, Expression, depends_on, div, mul, number, substitute, symbol
 from contin.model.parts import TIME, Event, State
 from contin.model.printing import to_text
+from contin.simulate.section import Section
 from contin.symbolic.calculus.derivatives import derivative
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 PHASE: Final = "phase of the forcing"  # no name in a model contains a blank
 ONE: Final = number(1)
+BESIDE: Final = 1e-6  # of the states' sizes: simulations are more accurate
+WAYS: Final = {"up": 1, "down": -1, "both": 0}
 
 
 def autonomous(model: Model) -> Model:
@@ -118,6 +121,26 @@ class HybridFlow:
         row = self._seen_here(k, u, p)
         gradient = row[1 : 1 + self.n + self.m]
         return Surface(float(row[0]), gradient, float(gradient[: self.n] @ self.system.value(u, p)))
+
+    def is_on(self, k: int, u: Array, p: Array, sizes: Array) -> bool:
+        """Whether a state of a simulation, whose states have these sizes, is on the surface of event k."""
+        here = self.surface(k, u, p)
+        return abs(here.value) <= BESIDE * float(np.abs(here.gradient[: self.n]) @ sizes)
+
+    @cached_property
+    def _planes(self) -> tuple[bool, ...]:
+        """Of every event: whether `when` is of degree one in the states."""
+        names = self.model.state_names
+        return tuple(not any(depends_on(derivative(e.when, i), names) for i in names) for e in self.model.events)
+
+    def plane(self, k: int, p: Array) -> Section | None:
+        """The surface of event k in its direction at parameters p; None where it is no plane."""
+        if not self._planes[k]:
+            return None
+        with np.errstate(all="ignore"):  # what other formulas are at the origin
+            row = self._seen_here(k, np.zeros(self.n), p)
+        section = Section(row[1 : 1 + self.n], -float(row[0]), WAYS[self.model.events[k].direction])
+        return section if np.isfinite(row[: 1 + self.n]).all() and section.normal.any() else None
 
     def jumped(self, k: int, u: Array, p: Array) -> tuple[Array, Array]:
         """The state after event k, and its derivatives by (u, p), (n, n + m)."""

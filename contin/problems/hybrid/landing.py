@@ -17,6 +17,7 @@ from contin.machine import elementary
 from contin.simulate.between_samples import resolving
 from contin.simulate.flight import DONE, Flight, fly
 from contin.simulate.resets import SENSES
+from contin.simulate.section import Section
 
 if TYPE_CHECKING:
     from contin.problems.hybrid.flow import HybridFlow
@@ -60,18 +61,21 @@ class Path:
 
 
 def first_landing(
-    flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, length: float, patience: float, exactly: bool = False
-) -> float | None:
+    flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, length: float, patience: float, *,
+    exactly: bool = False, leaves: bool = True,
+) -> float | None:  # fmt: skip
     """The time at which event k happens first after the state u; None where it does not within `patience`, or longer.
 
-    length : how long this takes nearby.  exactly : and not longer.
-
-    A solution that starts on the surface, or beside it by less than it moves in a small part of that time, leaves it
-    first: a jump that ends on its own surface ends there only to rounding.
+    length : how long this takes, or took on an orbit of the same family.  exactly : and not longer than `patience`.
+    leaves : a solution that starts on the surface, or beside it by less than it moves in a small part of that time,
+        leaves it first: a jump that ends on its own surface ends there only to rounding.
     """
     begun, leave = flow.surface(k, u, p), AT_ONCE * length
-    if begun.rate != 0.0 and abs(begun.value) < ON_SURFACE * length * abs(begun.rate):
+    if leaves and begun.rate != 0.0 and abs(begun.value) < ON_SURFACE * length * abs(begun.rate):
         leave = max(leave, 4.0 * abs(begun.value / begun.rate))
+    met = _on_plane(flow, k, u, p, sizes, leave, patience)
+    if met is not None:
+        return met
     start, state = 0.0, u
     last = patience if exactly else min(FIRST * length, patience)
     while True:
@@ -92,6 +96,30 @@ def first_landing(
         if found is not None or exactly or not complete or last >= patience:
             return found
         start, state, last, leave = last, states[-1], 2.0 * last, 0.0
+
+
+def _on_plane(
+    flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, leave: float, patience: float
+) -> float | None:  # fmt: skip
+    """The first landing after `leave` on a surface that is a plane: the integrator looks for it, and ends there.
+
+    It does not go on to where a spike escapes to infinity. None where there is none, or samples of the way show that
+    the solution touched the plane, or crossed it twice, within a step.
+    """
+    plane = flow.plane(k, p)
+    if plane is None:
+        return None
+    ends: list[float] = [0.0]
+    flight = _fly(flow, u, p, sizes, np.array([patience]), ends, plane)
+    met = float(flight.events[0, 0]) if len(flight.events) else 0.0
+    if not met > leave:
+        return None
+    times = resolving(np.linspace(leave, met, SAMPLES + 1), np.unique(ends), IN_A_STEP)[:-1]
+    flight = _fly(flow, u, p, sizes, times)
+    if len(flight.t) < len(times):
+        return None
+    found = _first(Path(flow, k, p, sizes, times, flight.u, flow.heights(k, flight.u, p)))
+    return met if found is None else None
 
 
 def _towards_end(flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, left: float) -> tuple[Array, Array]:
@@ -117,12 +145,13 @@ def _towards_end(flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, lef
 
 
 def _fly(
-    flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array, steps: list[float] | None = None
+    flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array, steps: list[float] | None = None,
+    to: Section | None = None,
 ) -> Flight:  # fmt: skip
-    errors = SMALLER * ACCURACY * sizes
     return fly(
-        flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=errors, budget=BUDGET, steps=steps
-    )
+        flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=SMALLER * ACCURACY * sizes, budget=BUDGET,
+        steps=steps, section=to, events=0 if to is None else 1,
+    )  # fmt: skip
 
 
 def _first(path: Path) -> float | None:

@@ -33,13 +33,16 @@ EARLIER: Final = (1e-6, 1e-4, 1e-2)  # ... and that much before it, in turn, wha
 class Arc:
     """The event that an arc ends with, those that its jump sets off at once, and how long the arc takes, about.
 
+    length : on the orbit that the family began with.
     patience : how long its event is waited for.
+    leaves : it begins on the surface of its event.
     """
 
     event: int
     then: tuple[int, ...]
     length: float
     patience: float
+    leaves: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +99,7 @@ def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accur
     n = flow.n
     if not (np.isfinite(u).all() and np.isfinite(p).all()):
         return None
-    time = first_landing(flow, arc.event, u, p, sizes, arc.length, arc.patience)
+    time = first_landing(flow, arc.event, u, p, sizes, arc.length, arc.patience, leaves=arc.leaves)
     if time is None:
         return None
     landed = _landed(flow, arc.event, u, p, sizes, accuracy, time)
@@ -157,8 +160,10 @@ def _landed_late(
     for part in EARLIER:
         early = part * time
         first = _flow(flow, u, p, sizes, accuracy, time - early)
-        left = None if first is None else first_landing(flow, arc.event, first[0], p, sizes, early, arc.patience)
-        if first is None or left is None:
+        if first is None:
+            continue
+        left = first_landing(flow, arc.event, first[0], p, sizes, early, arc.patience, leaves=False)
+        if left is None:
             continue
         last = _landed(flow, arc.event, first[0], p, sizes, accuracy, left)
         if last is None:

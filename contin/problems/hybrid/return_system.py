@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
@@ -156,47 +156,49 @@ class ReturnSystem:
         """`jacobian` at N points."""
         return one_by_one(self.jacobian, u, p)
 
-    def _lines(self, u: Array, p: Array) -> Lines:
+    def _lines(self, u: Array, p: Array, directions: Iterable[Vector]) -> Lines:
         """Directional derivatives at (u, p) by differences of the Jacobian, of offsets from there.
 
         Their steps are parts of the lengths over which the Jacobian changes by its own size: a burst's map may have a
-        fold within a thousandth of a state's size.
+        fold within a thousandth of a state's size. Those of axes along which none of the directions goes are not asked.
         """
         key = u.tobytes() + p.tobytes()
         if key not in self._lengths:
             self._lengths.clear()
-            self._lengths[key] = self._bending(u, p)
+            self._lengths[key] = {}
+        known = self._lengths[key]
+        sizes = np.concatenate([self.sizes[self.kept], np.where(p != 0.0, np.abs(p), 1.0)])
+        moved = np.any([np.asarray(d) != 0.0 for d in directions], axis=0)
+        for i in np.flatnonzero(moved).tolist():
+            if i not in known:
+                known[i] = self._bending(u, p, sizes, i)
+        lengths = np.array([known.get(i, size) for i, size in enumerate(sizes.tolist())])
         return Lines(
-            lambda a, b: self.value(u + a, p + b), self.stretch * self._lengths[key], False,
+            lambda a, b: self.value(u + a, p + b), self.stretch * lengths, False,
             lambda a, b, v: self.jacobian(u + a, p + b)[1] @ v, levels=(1.0,),
         )  # fmt: skip
 
     @cached_property
-    def _lengths(self) -> dict[bytes, Array]:
+    def _lengths(self) -> dict[bytes, dict[int, float]]:
         return {}
 
-    def _bending(self, u: Array, p: Array) -> Array:
-        """(n + m,): along every axis the length over which DP changes by its size, at most the unknown's own."""
-        sizes = np.concatenate([self.sizes[self.kept], np.where(p != 0.0, np.abs(p), 1.0)])
-        here, found = self.jacobian(u, p)[1] * sizes, sizes.copy()
-        for i, size in enumerate(sizes):
-            for part in FIRST_LOOKS:
-                step = np.where(np.arange(len(sizes)) == i, part * size, 0.0)
-                sides = [self.jacobian(u + s * step[: self.n], p + s * step[self.n :])[1] * sizes for s in (1.0, -1.0)]
-                change = max(float(np.abs(side - here).max()) for side in sides)
-                if np.isfinite(change) and change < 0.3 * float(np.abs(here).max()):
-                    bend = change / (part * float(np.abs(here).max()))
-                    found[i] = size * min(1.0, 1.0 / bend if bend > 0.0 else 1.0)
-                    break
-            else:
-                found[i] = FIRST_LOOKS[-1] * size
-        return found
+    def _bending(self, u: Array, p: Array, sizes: Array, i: int) -> float:
+        """Along axis i of (u, p) the length over which DP changes by its size, at most the unknown's own."""
+        here, size = self.jacobian(u, p)[1] * sizes, float(sizes[i])
+        for part in FIRST_LOOKS:
+            step = np.where(np.arange(len(sizes)) == i, part * size, 0.0)
+            sides = [self.jacobian(u + s * step[: self.n], p + s * step[self.n :])[1] * sizes for s in (1.0, -1.0)]
+            change = max(float(np.abs(side - here).max()) for side in sides)
+            if np.isfinite(change) and change < 0.3 * float(np.abs(here).max()):
+                bend = change / (part * float(np.abs(here).max()))
+                return size * min(1.0, 1.0 / bend if bend > 0.0 else 1.0)
+        return FIRST_LOOKS[-1] * size
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k P[d1, .., dk], directions (n + m,), real or complex."""
-        lines = self._lines(np.array(u, dtype=float), np.array(p, dtype=float))
         nothing = np.zeros(self.n), np.zeros(self.m)
         vectors = tuple(np.asarray(d) for d in directions)
+        lines = self._lines(np.array(u, dtype=float), np.array(p, dtype=float), vectors)
         with np.errstate(all="ignore"):
             return expand_complex(lambda wanted: [lines.form(*nothing, parts) for parts in wanted], vectors, self.n)
 
@@ -210,7 +212,7 @@ class ReturnSystem:
         if np.iscomplexobj(direction):
             return self.gradient(u, p, direction.real) + 1j * self.gradient(u, p, direction.imag)
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
-        beside = self._lines(states, others)
+        beside = self._lines(states, others, (direction,))
         return beside.along(
             lambda a, b: self.jacobian(states + a, others + b)[1], np.zeros(self.n), np.zeros(self.m), direction
         )

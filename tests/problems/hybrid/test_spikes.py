@@ -92,3 +92,82 @@ def test_a_solution_that_escapes_before_it_is_looked_at_does_not_come_to_its_sur
     ))  # fmt: skip
     for v in (68.5, 1e8):
         assert first_landing(flow, 0, np.array([v]), np.ones(1), np.array([30.0]), 10.0, 100.0) is None
+
+
+def quadratic(surface: str) -> contin.Model:
+    """v' = I + v^2 from -1 to 10 in (atan(10/sqrt I) + atan(1/sqrt I))/sqrt I; then u is raised by 1."""
+    return contin.Model(
+        "quadratic", states={"v": -1, "u": 1}, parameters={"I": 1.0, "one": 1.0, "two": 2.0, "three": 3.0},
+        equations={"v": "I*one + v^2", "u": "-0.1*u*three/(one + two)"},
+        events=[{"when": surface, "set": {"v": "-1", "u": "u + 1"}}],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("surface", "most"), [("v - 10", 2), ("one*v - 10", 2), ("(v - 10)*(1 + v^2)", 12)])
+def test_at_a_plane_the_flight_to_it_ends(monkeypatch, surface, most):
+    """Wherever it is, also beyond the time first looked at: two flights for each such time, the second to look closer.
+
+    Without a plane it is looked for between samples and on the way to infinity.
+    """
+    landing, flow = import_module("contin.problems.hybrid.landing"), HybridFlow(quadratic(surface))
+    flights, fly = [], landing._fly
+    monkeypatch.setattr(landing, "_fly", lambda *given: flights.append(1) or fly(*given))
+    p, sizes, time = np.array([1.0, 1.0, 2.0, 3.0]), np.array([10.0, 1.0]), np.arctan(10.0) + np.pi / 4.0
+    for length, windows in ((time, 1), (0.5 * time, 2)):
+        flights.clear()
+        met = first_landing(flow, 0, np.array([-1.0, 2.0]), p, sizes, length, 100.0)
+        assert abs(met - time) < 1e-10
+        assert len(flights) <= most * windows
+
+
+def test_a_plane_is_met_at_its_first_crossing_however_many_follow():
+    """sin 60 s + s passes 0.9999 just before the ripple's first top, half a sample's time after the start."""
+    model = contin.Model(
+        "ripple", states={"s": 0, "y": 0, "z": 1}, parameters={"a": 60.0},
+        equations={"s": "1", "y": "a*z", "z": "-a*y"}, events=[{"when": "y + s - 0.9999", "set": {"s": "0"}}],
+    )  # fmt: skip
+    met = first_landing(
+        HybridFlow(model), 0, np.array([-1e-6, 0.0, 1.0]), np.array([60.0]), np.ones(3), 10.0, 100.0, leaves=False
+    )
+    low, high = 0.0, 0.5 * np.pi / 60.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if np.sin(60.0 * middle) + middle < 0.9999 + 1e-6 else (low, middle)
+    assert abs(met - low) < 1e-9
+
+
+def test_differences_of_the_map_ask_for_lengths_along_their_own_directions(monkeypatch):
+    """Of four parameters none is moved by a derivative along the state: two cycles beside it show the length."""
+    module = import_module("contin.problems.hybrid.return_system")
+    orbit, cycles, through = contin.periodic_orbit(quadratic("v - 10")), [], module.pass_through
+    monkeypatch.setattr(module, "pass_through", lambda *given: cycles.append(1) or through(*given))
+    along = np.zeros(orbit.map.n + orbit.map.m)
+    along[0] = 1.0
+    orbit.map.gradient(orbit.u * 1.01, orbit.p, along)
+    assert len(cycles) <= 9
+
+
+def test_an_orbit_a_hundred_times_shorter_than_the_first_keeps_its_event():
+    """v' = I - v from 0 to 1 takes log(I/(I - 1)): 4.6 at the start, .02 at the end, where v begins .02 from 1."""
+    model = contin.Model(
+        "leaky", states={"v": 0, "u": 1}, parameters={"I": 1.01},
+        equations={"v": "I - v", "u": "-0.1*u"}, events=[{"when": "v - 1", "set": {"v": "0", "u": "u + 1"}}],
+    )  # fmt: skip
+    settings = {"max_step": 0.5}
+    branch = contin.continuation(contin.periodic_orbit(model), "I", (1.005, 50.0), settings=settings)
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    current = branch.columns["I"]
+    np.testing.assert_allclose(branch.columns["period"], -np.log1p(-1.0 / current), rtol=1e-11)
+
+
+def test_an_arc_that_begins_on_its_surface_leaves_it():
+    """x'' = -1 from x = 0 at speed v comes back after 2 v, and is thrown up again: each arc begins where it ends."""
+    model = contin.Model(
+        "ball", states={"x": 1, "v": 0}, parameters={"g": 1.0, "w": 1.0},
+        equations={"x": "v", "v": "-g"}, events=[{"when": "x", "direction": "both", "set": {"v": "w - v/2"}}],
+    )  # fmt: skip
+    orbit = contin.periodic_orbit(model)
+    assert [arc.leaves for arc in orbit.map.arcs] == [True]
+    branch = contin.continuation(orbit, "w", (0.01, 2.0))
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    np.testing.assert_allclose(branch.columns["period"], 4.0 * branch.columns["w"], rtol=1e-10)
