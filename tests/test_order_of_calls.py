@@ -52,12 +52,12 @@ def dear():
     large, plane = contin.continuation(combustion(60), "lam", (0, 6)), {"lam": (0, 9), "e": (0.1, 0.3)}
     rest = contin.continuation(planted(-1.0, 0.0), "mu", (-0.6, 0.1))
     hopf = next(point for point in rest.points if abs(point.values["mu"]) < 1e-6)
-    coarse = {"intervals": 8, "step": 0.05}
-    family = contin.continuation(hopf.switch(), "mu", (0, 0.6), settings=coarse | {"stop_at": ("PD",)})
+    coarse, births = {"intervals": 8, "step": 0.05}, hopf.switch()
+    family = contin.continuation(births, "mu", (0, 0.6), settings=coarse | {"stop_at": ("PD",)})
     return {
         "homoclinic orbits": run(loop.locus(), ("m", "a"), {"m": (-1, 1), "a": (-1, 1)}, settings={"steps": 3}),
         "folds of large systems": run(large["LP1"].locus(), ("lam", "e"), plane, settings=FEW),
-        "large orbits": run(hopf.switch(), "mu", (0, 0.6), settings=coarse | FEW),
+        "large orbits": run(births, "mu", (0, 0.6), settings=coarse | FEW),
         "doublings of large orbits": run(
             family["PD1"].locus(), ("mu", "a"), {"mu": (0.1, 0.5), "a": (-0.2, 0.2)}, settings={"steps": 2}
         ),

@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.condensed import Condensed, linearise, met_to_rounding, residual_at
-from contin.linalg.newton import longest_part
+from contin.linalg.newton import Rules, longest_part, newton
 from contin.linalg.vectors import norm
 
 if TYPE_CHECKING:
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
 NEWTON: Final = 20  # iterations
 SHORTEST: Final = 1e-3  # damping
-LONG: Final = 60  # iterations with whole steps
-FAR: Final = 1e4  # a whole step that leads nowhere
-NEAR: Final = 1e-3  # a whole step after which the damped iteration takes over
+WHOLE: Final = Rules(settled=1e-3, stalled=0.0, far=1e4, budget=60)  # steps, until the damped iteration takes over
 ACCURATE: Final = 1e-13
 STALLED: Final = 1e-8  # a correction that no longer falls, because of rounding
 BLURRED: Final = 1e-4  # a correction that may be rounding of a nearly singular problem
@@ -91,7 +89,7 @@ def _by_chords(
 
 
 def at_parameter_from_afar(problem: BoundaryEquations, guess: Array, value: float, scale: Array) -> Array | None:
-    """Newton with the parameter fixed and whole steps, as far as they lead; None: no solution in `LONG` iterations.
+    """Newton with the parameter fixed and whole steps, as far as they lead; None: no solution by the rules `WHOLE`.
 
     Where damping keeps a guess between two solutions, whole steps leave that place. (Guesses of localised patterns of
     the Swift-Hohenberg equation: 13 of 16 find a solution, 4 with damping.)
@@ -100,18 +98,16 @@ def at_parameter_from_afar(problem: BoundaryEquations, guess: Array, value: floa
     fixed[-1] = 1.0
     z = guess.copy()
     z[-1] = value
-    for _ in range(LONG):
+
+    def correct(z: Array) -> tuple[float, Array] | None:
         here = linearise(problem, z, fixed, scale)
         if here is None or here.sign == 0.0:
             return None
         step = here.solve(np.append(-here.residual, 0.0))
-        size = norm(step)
-        if not size < FAR:
-            return None
-        z = _moved(z, scale, step, value)
-        if size < NEAR:
-            return at_parameter(problem, z, value, scale)
-    return None
+        return norm(step), _moved(z, scale, step, value)
+
+    found = newton(correct, z, WHOLE)
+    return None if found is None else at_parameter(problem, found.at, value, scale)
 
 
 def _ahead(

@@ -39,13 +39,6 @@ class Projections:
     by_parameters: Array  # (k, 2): the second parameter (or t), the first one
 
 
-def projections(curve: ConnectionLayout, z: Array, sizes: Array) -> Array:
-    """The conditions alone, (k,)."""
-    ends = curve.equilibria(z)
-    stable = basis_at(curve, ends[0], z, sizes, True)
-    return _conditions(curve, z, sizes, stable, arriving_parts(curve, z, sizes))
-
-
 def _conditions(curve: ConnectionLayout, z: Array, sizes: Array, stable: Array, arriving: Array) -> Array:
     """From the basis L_s and what vanishes at the orbit's end."""
     ends = curve.equilibria(z)

@@ -11,15 +11,15 @@ from contin.errors import InputError
 from contin.homoclinic.equations import ConnectionCurve
 from contin.homoclinic.interval import fits, fitted
 from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.two_parameters import UNBOUNDED
 
 ROUNDS = 4  # of solving, until interval and mesh fit
-LONG = 40  # steps of Newton's method from a guess
+AFAR = Rules(settled=1e-3, stalled=0.0, budget=40)  # steps of Newton's method from a guess, until they become shorter
 LEAP = 0.5  # of its extent, by which a step moves a state at most
-NEAR = 1e-3  # size of a step (scaled) from which on steps become shorter
 ZERO = 1e-6  # of its natural width: the value of a parameter that is smaller is zero to its error, and says no width
 
 
@@ -67,25 +67,24 @@ def _from_afar(problem: ConnectionProblem, z: Array, scale: Array) -> Array | No
     """Nearer to a connection by steps of Newton's method that move no state by more than half its extent.
 
     From a guess in leading order (a pulse by its envelope, samples of a simulation) whole steps grow, and lead to other
-    connections or nowhere. None where `LONG` steps do not become small.
+    connections or nowhere. None where steps do not become small (`AFAR`).
     """
     fixed = np.zeros(z.size)
     fixed[-1] = 1.0
     u = problem.curve.profile(z).u
     extent = np.tile(np.ptp(u, axis=0), len(u))
     extent[extent == 0.0] = np.inf  # a state at rest limits no step
-    for _ in range(LONG):
+
+    def correct(z: Array) -> tuple[float, Array] | None:
         here = problem.settled(z, scale).linearisation(z, fixed, scale)
         if here is None or here.sign == 0:
             return None
         step = here.solve(np.append(-here.residual, 0.0))
         longest = float(np.max(np.abs((scale * step)[: u.size]) / extent))
-        if not np.isfinite(longest):
-            return None
-        z = z + min(1.0, LEAP / longest) * scale * step
-        if norm(step) < NEAR:
-            return z
-    return None
+        return (norm(step), z + min(1.0, LEAP / longest) * scale * step) if np.isfinite(longest) else None
+
+    found = newton(correct, z, AFAR)
+    return None if found is None else found.at
 
 
 def natural_width(curve: ConnectionCurve, z: Array) -> float:

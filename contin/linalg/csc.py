@@ -23,11 +23,6 @@ def filled(pattern: csc_matrix, data: Array) -> csc_matrix:
     return made
 
 
-def scaled_columns(matrix: csc_matrix, scale: Array) -> csc_matrix:
-    """M diag(scale); the pattern is shared."""
-    return filled(matrix, matrix.data * np.repeat(scale, np.diff(matrix.indptr)))
-
-
 def with_columns(matrix: csc_matrix, columns: Array, place: int | None = None) -> csc_matrix:
     """M (n, m) with dense columns (n, k) before its column `place`, or after the last one; zeros are not stored."""
     from scipy import sparse

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy import sparse
 
-from contin.linalg.csc import scaled_columns, with_columns, with_rows
+from contin.linalg.csc import with_columns, with_rows
 
 
 def some(rng, n, m):
@@ -25,8 +25,6 @@ def test_rows_and_columns_stand_where_they_are_put():
         assert np.array_equal(tall.toarray(), np.vstack([dense, rows]))
         assert tall.has_canonical_format
         assert tall.nnz == matrix.nnz + np.count_nonzero(rows)  # zeros are not stored
-        scale = rng.normal(size=m)
-        assert np.array_equal(scaled_columns(matrix, scale).toarray(), dense * scale)
 
 
 def test_a_matrix_is_bordered_on_both_sides():

@@ -23,6 +23,7 @@ from contin.loci.augmented.boundary_remarks import is_unfolded, remarks_on
 from contin.loci.augmented.degenerate_solutions import critical_at, described, scalar
 from contin.loci.augmented.elimination import Bordered, Scalars
 from contin.loci.augmented.fold_ends_of_boundary import at_fold
+from contin.loci.augmented.one_event import one_event, test_of
 from contin.loci.augmented.singular import singular
 from contin.loci.augmented.singular_solutions import SingularSolutions
 from contin.loci.augmented.sparse import SparseBordered
@@ -87,13 +88,11 @@ class BoundaryBase(SingularSolutions):
         return np.array([degeneracies.VALUES[degeneracies.name_in(name, self.kind)](at) for name in names]), 0, none
 
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        changed = a.tests[degeneracies.FIRST :] * b.tests[degeneracies.FIRST :] < 0.0
-        crossed = [name for name, there in zip(self.types(type_), changed, strict=False) if there]
-        return None if len(crossed) > 1 else tuple(crossed)
+        known = self.types(type_)
+        return one_event(known, [0] * len(known), a, b)
 
     def test_of(self, curve: str, type_: str) -> int | None:
-        known = self.types(curve)
-        return degeneracies.FIRST + known.index(type_) if type_ in known else None
+        return test_of(self.types(curve), type_)
 
     def types(self, curve: str) -> Sequence[str]:
         return degeneracies.types(curve, len(self.places) > 2)

@@ -26,7 +26,6 @@ from contin.loci.augmented.singular import Borders
 from contin.loci.augmented.sparse import Factors
 from contin.machine import elementary
 
-FIRST: Final = 2  # place of the first test among those of a sample
 PITCHFORK: Final = "pitchfork"
 OWN: Final = {"LP": ("CP",), "CP": ("SW",), "BP": ("DP",)}  # of curve -> what is looked for, in the order of its tests
 GENERIC: Final = ("DBP", "DBP:b20")  # the same on branch points in three parameters

@@ -16,6 +16,7 @@ from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.dense import DenseBordered, dense_bordered
 from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.one_event import one_event, test_of
 from contin.loci.tolerances import REAL
 from contin.machine import elementary
 from contin.normalforms.point import normal_form
@@ -26,7 +27,6 @@ from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.scales import parameter_width
 from contin.problems.state_columns import state_columns
 
-FIRST = 2  # place of the first test among those of a sample
 FLOW, MAP = ("LP", "HB"), ("LP", "NS", "PD")
 MOVED = {"LP": 1, "PD": 1, "HB": 2, "NS": 2}  # eigenvalues that change sides
 
@@ -107,18 +107,11 @@ class EquilibriumBase(Base):
         return MAP if self.problem.is_map else FLOW
 
     def test_of(self, curve: str, type_: str) -> int | None:
-        known = list(self.types(curve))
-        return FIRST + known.index(type_) if type_ in known else None
+        return test_of(self.types(curve), type_)
 
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
         known = self.types(type_)
-        crossed = [t for t, x in zip(known, a.tests[FIRST:] * b.tests[FIRST:], strict=True) if x < 0.0]
-        moved = abs(a.unstable - b.unstable)
-        if not crossed:
-            return () if moved == 0 else None
-        if len(crossed) > 1:
-            return None
-        return (crossed[0],) if moved in (0, MOVED[crossed[0]]) else None
+        return one_event(known, [MOVED[name] for name in known], a, b)
 
     def degeneracy(self, curve: str, type_: str, near: Sample) -> Scalars | str:
         values, size = self._spectrum(near.z)[0], 1.0

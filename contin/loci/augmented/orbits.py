@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.outcome import Outcome, Verified
-from contin.continuation.sample import Sample, opposite
+from contin.continuation.sample import Sample
 from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented.elimination import Scalars
 from contin.loci.augmented.meshed import Chosen, MeshedBase
+from contin.loci.augmented.one_event import one_event, test_of
 from contin.loci.augmented.singular import Assembled, Borders, null_vectors, singular
 from contin.loci.augmented.sparse import SparseBordered
 from contin.loci.tolerances import REAL
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 
     from contin.model.model import Model
 
-FIRST: Final = 2  # place of the first test among those of a sample
 CRITICAL: Final = {"LPC": [1.0 + 0.0j], "BPC": [1.0 + 0.0j], "PD": [-1.0 + 0.0j]}
 TYPES: Final = {"LPC": ("R1", "LPPD", "LPNS"), "PD": ("LPPD", "R2", "PDNS"), "BPC": ()}  # by tests: at 1, at -1, a pair
 MOVED: Final = (1, 1, 2)
@@ -153,16 +153,10 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         return TYPES.get(self.type, ())
 
     def test_of(self, curve: str, type_: str) -> int | None:
-        known = self.types(curve)
-        return FIRST + known.index(type_) if type_ in known else None
+        return test_of(self.types(curve), type_)
 
     def explain(self, type_: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        changed = opposite(a.tests[FIRST:], b.tests[FIRST:])
-        crossed = [(t, m) for t, m, c in zip(self.types(type_), MOVED, changed, strict=False) if c]
-        moved = abs(a.unstable - b.unstable)
-        if not crossed:
-            return () if moved == 0 else None
-        return (crossed[0][0],) if len(crossed) == 1 and moved in (0, crossed[0][1]) else None
+        return one_event(self.types(type_), MOVED, a, b)
 
     def degeneracy(self, curve: str, type_: str, near: Sample) -> Scalars | str:
         others = self._others(near.z, near.eigenvalues)

@@ -16,6 +16,7 @@ from contin.loci.augmented import third
 from contin.loci.augmented.base import Base
 from contin.loci.augmented.dense import DenseBordered, dense_bordered
 from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.one_event import test_of
 from contin.loci.codim2 import events
 from contin.loci.codim2.functions import function_of
 from contin.loci.codim2.matrices import eigenvalues
@@ -118,7 +119,7 @@ class PointBase(Base):
         return third.explain(type_, a, b)
 
     def test_of(self, curve: str, type_: str) -> int | None:
-        return events.test_of(curve, type_) if self.codimension == 1 else third.test_of(curve, type_)
+        return events.test_of(curve, type_) if self.codimension == 1 else test_of(third.types(curve), type_)
 
     def types(self, curve: str) -> Sequence[str]:
         if self.codimension > 1:

@@ -20,6 +20,7 @@ from contin.abi import Array, Vector
 from contin.continuation.outcome import NOTHING, Outcome, Verified
 from contin.continuation.sample import Sample
 from contin.loci.augmented.elimination import Scalars
+from contin.loci.augmented.one_event import one_event
 from contin.loci.codim2.forms import jet_at
 from contin.loci.codim2.functions import critical_indices
 from contin.loci.codim2.matrices import eigenvalues, own_critical, scaled_matrix
@@ -33,7 +34,6 @@ from contin.normalforms.result import NO_FORM, NormalForm
 if TYPE_CHECKING:
     from contin.loci.equilibria.equilibrium_locus import LocusProblem
 
-FIRST: Final = 2  # place of the first test among those of a sample
 COUNTS: Final = {"FZ": 1, "TZ": 1, "BT": 1, "FH": 2}  # eigenvalues that change sides
 TYPES: Final = {  # of curve -> what is looked for, in the order of its tests
     "CP": ("SW", "BT", "FH"), "BT": ("DBT", "DBT", "TZ", "FH"), "GH": ("DGH", "FZ", "FH"), "ZH": ("FZ", "FH"),
@@ -49,11 +49,6 @@ VANISHING: Final = {"SW": "c", "DBT": "a", "DBT:b": "b", "DGH": "l2", "DBP:b20":
 def types(curve: str) -> Sequence[str]:
     """What is watched on a curve, in the order of its tests."""
     return NAMES.get(curve, TYPES.get(curve, ()))
-
-
-def test_of(curve: str, type_: str) -> int | None:
-    known = types(curve)
-    return FIRST + known.index(type_) if type_ in known else None
 
 
 def tests_at(problem: LocusProblem, curve: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
@@ -158,14 +153,8 @@ def _hessian(problem: LocusProblem, z: Array) -> tuple[float, float]:
 
 def explain(curve: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
     """The event that explains what changed between two points; None where one does not."""
-    crossed = [n for n, x in zip(types(curve), a.tests[FIRST:] * b.tests[FIRST:], strict=True) if x < 0.0]
-    moved = abs(a.unstable - b.unstable)
-    if not crossed:
-        return () if moved == 0 else None
-    if len(crossed) > 1:
-        return None
-    expected = COUNTS.get(crossed[0], 0)
-    return (crossed[0],) if moved in (expected, 0) else None
+    known = types(curve)
+    return one_event(known, [COUNTS.get(name, 0) for name in known], a, b)
 
 
 def function_of(problem: LocusProblem, curve: str, name: str, z0: Array) -> Scalars | str:

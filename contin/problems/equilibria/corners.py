@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.outcome import NOTHING, Jump, Outcome, Verified
 from contin.continuation.sample import Chunk, Frame, Sample, Stop, opposite
 from contin.continuation.settings import Settings
-from contin.problems.equilibria.on_surface import STEP, OnSurface, at_height, far, on_surface
+from contin.problems.equilibria.on_surface import STEP, OnSurface, behind_by_height, far, on_surface
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -159,7 +159,7 @@ def cross_corner(
         base = Sample(z, tangent, np.full(4, np.nan), 0, last.eigenvalues)
         beyond = problem.probe(base, behind, z + behind * scale * tangent, frame, settings)
         if beyond is None or surfaces(beyond.z)[k] * slope[k] <= 0.0 or far(beyond.z, z, scale, behind):
-            beyond = at_height(problem, int(k), z, float(slope[k]), behind, frame, settings)
+            beyond = behind_by_height(problem, int(k), z, float(slope[k]), behind, frame, settings)
         if beyond is None:
             continue
         turns = beyond.tangent[-1] * last.tangent[-1] < 0.0 and abs(float(last.tangent[-1])) > VERTICAL

@@ -13,7 +13,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.newton import Rules, by_steps, solution
 from contin.linalg.vectors import norm
-from contin.problems.equilibria.onto_surface import limit_on_surface, meets_another
+from contin.problems.equilibria.onto_surface import at_height, limit_on_surface, meets_another
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -37,9 +37,7 @@ class OnSurface:
     remark: str = ""
 
 
-def on_surface(
-    problem: AlgebraicEquations, k: int, z: Array, side: Sample, frame: Frame
-) -> OnSurface | None:
+def on_surface(problem: AlgebraicEquations, k: int, z: Array, side: Sample, frame: Frame) -> OnSurface | None:
     """Newton on F = 0, h_k = 0 with the Jacobian of one side.
 
     Where another branch lies in the surface, there are many solutions: the limit of the branch's own points is taken.
@@ -98,7 +96,7 @@ def _from_the_smoother_side(problem: AlgebraicEquations, z: Array, gradient: Arr
     return min(found, key=lambda pair: float(np.max(pair[1])) if np.all(np.isfinite(pair[1])) else np.inf)
 
 
-def at_height(
+def behind_by_height(
     problem: AlgebraicEquations, k: int, corner: Array, sense: float, behind: float, frame: Frame, settings: Settings
 ) -> Sample | None:
     """A point behind a corner by its height above the surface, where the formula leaves that like a root of the height.
@@ -117,14 +115,7 @@ def at_height(
         return None
     for height in HEIGHTS:
         z = corner + np.copysign(height * behind, sense) * scale * gradient / size
-        wanted = surface(z)
-
-        def step(z: Array, wanted: float = wanted) -> Array | None:
-            f, matrix = problem.linearise(z)
-            bordered = np.vstack([matrix * scale / scale[:-1, None], gradient / size])
-            return solution(bordered, -np.append(f / scale[:-1], (surface(z) - wanted) / size))
-
-        found = by_steps(step, z, scale, AT_HEIGHT)
+        found = at_height(problem, surface, gradient, size, surface(z), z, scale, AT_HEIGHT)
         if found is None or far(found.at, corner, scale, behind):
             continue  # with a smaller height
         z = found.at

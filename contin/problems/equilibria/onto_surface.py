@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.linalg.newton import Rules, by_steps, solution
+from contin.linalg.newton import Converged, Rules, by_steps, solution
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -35,6 +35,20 @@ def meets_another(bordered: Callable[[Array], Array], corner: Array, side: Array
     return bool(near < FALLS * far)
 
 
+def at_height(
+    problem: AlgebraicEquations, surface: Callable[[Array], float], gradient: Array, size: float, height: float,
+    guess: Array, scale: Array, rules: Rules,
+) -> Converged[Array] | None:  # fmt: skip
+    """F = 0 at a height of the surface's function, by Newton's method with its gradient at one place, of this size."""
+
+    def step(z: Array) -> Array | None:
+        f, matrix = problem.linearise(z)
+        bordered = np.vstack([matrix * scale / scale[:-1, None], gradient / size])
+        return solution(bordered, -np.append(f / scale[:-1], (surface(z) - height) / size))
+
+    return by_steps(step, guess, scale, rules)
+
+
 def limit_on_surface(
     problem: AlgebraicEquations, surface: Callable[[Array], float], gradient: Array, side: Array, scale: Array
 ) -> tuple[Array, float, float] | None:
@@ -46,13 +60,7 @@ def limit_on_surface(
     heights = np.copysign(HIGHEST * size / 2.0 ** np.arange(POINTS), here)
     points, guess = [], side
     for height in heights:
-
-        def step(z: Array, height: float = height) -> Array | None:
-            f, matrix = problem.linearise(z)
-            bordered = np.vstack([matrix * scale / scale[:-1, None], gradient / size])
-            return solution(bordered, -np.append(f / scale[:-1], (surface(z) - height) / size))
-
-        found = by_steps(step, guess, scale, AT_HEIGHT)
+        found = at_height(problem, surface, gradient, size, float(height), guess, scale, AT_HEIGHT)
         if found is None or not surface(found.at) * here > 0.0:
             return None
         points.append(found.at)
