@@ -13,8 +13,6 @@ FORCED: Final = 1e-9  # (of the largest rate) an unfolding parameter below this 
 FORCED_AT_POINTS: Final = 1e-8  # ... at points of codimension two, which are less well conditioned
 ILL_CONDITIONED: Final = 1e-4  # (scaled) an estimated error above this locates nothing
 RESIDUAL_LIMIT: Final = 1e-7  # (scaled) an equation that is not brought below this has no solution there
-ALIKE: Final = 1e-7  # relative distance of parameters below which two points of curves on meshes are one
-ONE_FIXED: Final = 1e-11  # (scaled) of Newton's steps with one unknown held
 # A tolerance that takes the first correction. It brings a guess to the periodic orbits, the second one brings these to
 # the special ones, and may be as large: next to generalised Hopf points one is no measure of the other.
 ONE_CORRECTION: Final = 1e300

@@ -21,6 +21,7 @@ from contin.problems.equilibria.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.surfaces.pseudo import Pseudo, boundary_equilibrium, pseudo_equilibrium, surface_at
 from contin.problems.surfaces.sliding import Sliding
+from contin.search.tolerances import ACCEPTABLE, ACCURATE
 from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
 from contin.systems.described import states_in_words
@@ -33,7 +34,6 @@ BUDGET = 60
 FAR = 1e-6  # part of its size at the start below which a state is solved for once more, in its own size
 AGAIN = 20  # times at most: from 1e120
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
-ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
 LOST = 8.0  # roundings of the terms of f, to which it may be zero
 REAL = 1e-3  # relative difference of a state from the one that Newton's method finds from zero
 RADII = (0.1, 0.5, 2.0, 10.0)  # around a start that fails, relative to it, and ...
@@ -43,7 +43,6 @@ NOT_AT_REST = (
     " The start lies on the surface {}, where the equations jump: motion does not rest there, and neither side has an "
     "equilibrium there."
 )
-ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a fold: Newton is linear there)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -19,6 +19,7 @@ from contin.problems.hybrid.hybrid_orbits import HybridOrbits
 from contin.problems.hybrid.passage import Arc
 from contin.problems.hybrid.return_system import ReturnSystem
 from contin.search.orbit_by_simulation import ADVICE, CHANCE, FIRST_TIME, LONGEST, UNSTABLE, time_scale
+from contin.search.tolerances import CLOSE
 from contin.simulate.natural import SMALLER, absolute_tolerances, natural_metric
 from contin.simulate.resets import Jump, fly_with_events
 
@@ -27,8 +28,7 @@ if TYPE_CHECKING:
 
 LONGEST_CYCLE: Final = 128  # events
 ENOUGH: Final = 3 * LONGEST_CYCLE
-REPEATED: Final = 1e-6  # ... of a solved cycle and itself some events later, if it repeats
-CLOSE: Final = 1e-4  # a return this close, relative to the orbit's extent, is an orbit up to Newton's polish
+REPEATED: Final = 1e-6  # of the states' sizes: distance of a solved cycle and itself some events later, if it repeats
 MOVED: Final = 0.05  # by which Newton's method may move it
 PATIENCE: Final = 16.0  # longest intervals in which an event of a trajectory comes, or not at all
 LONGEST_PERIOD: Final = 512.0  # of a family, in periods of the orbit that it begins with; a forced one's stays

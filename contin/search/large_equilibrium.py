@@ -18,12 +18,11 @@ from contin.problems.sparse.as_dense import SMALL, divided
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.large_equilibrium import LargeProblem
 from contin.search.equilibrium_from_guess import Equilibrium
+from contin.search.tolerances import ACCEPTABLE, ACCURATE
 from contin.systems.functions.function_system import FunctionSystem
 
 BUDGET = 40
-ACCURATE = 1e-12
 UNSEEN = 1e-11  # part of its size up to which a product is rounding
-ACCEPTABLE = 1e-6  # a correction that no longer falls, because of rounding or at a fold
 SETTLED = 1e-9  # part of a state that its own correction is at the end, ...
 NOISE = 100.0  # ... or times what rounding of the equations' terms makes of it
 VANISHED = 1e-30  # part of the largest state met on the way, below which all are zero if zero solves the equations

@@ -15,6 +15,7 @@ from contin.problems.orbits.collocated_orbits import OrbitProblem
 from contin.problems.orbits.mesh.adaption import choose_mesh
 from contin.problems.orbits.mesh.layout import Profile
 from contin.problems.orbits.periodic_orbit import PeriodicOrbit
+from contin.search.tolerances import CLOSE
 from contin.simulate.natural import natural_metric
 from contin.simulate.trajectory import Section, integrate
 from contin.systems.described import states_in_words
@@ -27,8 +28,7 @@ LONGEST = 2e5  # time scales until giving up
 WAITING = 20  # times as long where nothing has come back once: relaxation oscillations between slow states
 BUDGET = 1_000_000  # steps between two looks: a trajectory that needs more escapes, or is stiff beyond use
 CROSSINGS = 60  # returns compared at once
-CLOSE = 1e-4  # a return this close (relative to the orbit's extent) is an orbit, up to Newton's polish
-NEAR = 3e-2  # ... and one this close is tried when time is up
+NEAR = 3e-2  # a return this close (relative to the orbit's extent) is tried when time is up
 SETTLED = 0.7  # a trajectory whose last part is smaller than this part of the rest is still shrinking
 CLOSED = 1e-9  # ... and one as close as this closes up to rounding, whatever Newton says
 AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest

@@ -17,10 +17,10 @@ from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.loci.augmented import events
 from contin.loci.augmented.augmented_curve import AugmentedCurve
-from contin.loci.tolerances import ALIKE
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
+from contin.problems.tolerances import ONE_POINT
 
 SETTINGS: Final = Settings()
 ORDER: Final = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
@@ -117,5 +117,5 @@ class AdaptiveCurve(AugmentedCurve):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         count = len(self.names)
-        slack = ALIKE * scale[-count:] + 3.0 * (a.error + b.error)
+        slack = ONE_POINT * scale[-count:] + 3.0 * (a.error + b.error)
         return bool(np.all(np.abs(a.z[-count:] - b.z[-count:]) <= slack))

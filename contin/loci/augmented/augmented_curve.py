@@ -21,7 +21,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci.augmented import events
 from contin.loci.augmented.curve_equations import TURNS, Bounds, CurveEquations
-from contin.loci.tolerances import ONE_FIXED
+from contin.problems.tolerances import ONE_FIXED
 
 ROUNDS = 3  # until the tangent lies in the null space
 

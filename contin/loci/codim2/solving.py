@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.sample import Sample
 from contin.loci.codim2.functions import at_rows
 from contin.problems.equilibria import solved_to_rounding as rounding
+from contin.problems.tolerances import SETTLED, STALLED
 from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
@@ -227,16 +228,16 @@ def _newton(
         except np.linalg.LinAlgError:  # not verified, in words
             return None
         length = float(np.linalg.norm(step))
-        stalled = rounding.STALLED if off == 0.0 else max(rounding.STALLED, off * length / max(abs(g[-1]), 1e-300))
+        stalled = STALLED if off == 0.0 else max(STALLED, off * length / max(abs(g[-1]), 1e-300))
         if length >= 0.5 * before and length < stalled:
             ratio = min(length / before, 0.9)
-            if length > 1e3 * rounding.SETTLED:
+            if length > 1e3 * SETTLED:
                 lacking = 2.0 * np.abs(step) * ratio / (1.0 - ratio)
             break
         if length > 1e3 or (length >= before and before < stalled):
             return None
         y = y + step
-        if length < rounding.SETTLED:
+        if length < SETTLED:
             break
         before = length
     else:

@@ -21,6 +21,7 @@ from contin.continuation.sample import Frame, Sample
 from contin.linalg.newton import Rules, by_steps
 from contin.machine import elementary
 from contin.problems.equilibria import solved_to_rounding as rounding
+from contin.problems.tolerances import SETTLED, STALLED
 
 if TYPE_CHECKING:
     from contin.loci.curve_of_points import CurveOfPoints
@@ -31,7 +32,7 @@ CURVATURE: Final = 1e-4  # scaled, of the second derivative of the curve's equat
 RANK: Final = 1e-5  # a singular value below this part of the largest is zero
 EXACT: Final = 1e-7  # ... at the point itself
 REAL: Final = -1e-10  # of the squared size of the quadratic form: a discriminant below this has no real roots
-NEWTON: Final = Rules(rounding.SETTLED, rounding.STALLED, far=1e3, budget=rounding.NEWTON_BUDGET)
+NEWTON: Final = Rules(SETTLED, STALLED, far=1e3, budget=rounding.NEWTON_BUDGET)
 
 
 @dataclass(frozen=True, eq=False)

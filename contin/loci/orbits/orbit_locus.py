@@ -29,8 +29,8 @@ from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.normal_forms.codimension_two import has_coefficients, with_coefficients
 from contin.problems.orbits.special_orbits.curve import OrbitCurve
 from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
+from contin.problems.tolerances import PROBE_TOLERANCE
 
-PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
 FIRST_TEST = 2  # of other multipliers, after those of folds and branch points
 LEAST = 10  # ... but not before so many steps

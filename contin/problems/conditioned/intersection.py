@@ -11,11 +11,11 @@ from contin.abi import Array
 from contin.continuation.outcome import Nothing, Outcome, Rejected, Verified, unverified
 from contin.continuation.sample import Frame, Sample
 from contin.problems.conditioned.conditioned_equations import ConditionedEquations
+from contin.problems.tolerances import STALLED
 
 ITERATIONS: Final = 12
 DIFFERENCE: Final = 1e-5  # part of a free parameter's scale by which it is moved for a derivative
 SOLVED: Final = 1e-12  # of the conditions, relative to their change over the scale of the free parameters
-STALLED: Final = 1e-7
 
 
 @dataclass(frozen=True, eq=False)

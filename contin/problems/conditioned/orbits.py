@@ -29,10 +29,10 @@ from contin.problems.orbits.measured.measures import standard_names
 from contin.problems.orbits.mesh.layout import Profile, make_scale, trimmed
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
+from contin.problems.tolerances import ONE_POINT
 
 ENDLESS: Final = 1e300  # the period of an unknown that is no angle
 LARGE: Final = 30.0  # times the scale of a free parameter, beyond which it is not followed
-ALIKE: Final = 1e-7  # relative distance of parameters below which two points are one
 ROUNDED, UNTOLD = 1e-11, 1e-8  # errors of a multiplier 1: at least, beside ten times the trivial one's, and at most
 
 
@@ -218,7 +218,7 @@ class ConditionedOrbits(Conditioned):
         return Renewal(scale, here, moved(before), moved(loop))
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        near = np.abs(a.z[-1 - self.k :] - b.z[-1 - self.k :]) <= ALIKE * scale[-1 - self.k :]
+        near = np.abs(a.z[-1 - self.k :] - b.z[-1 - self.k :]) <= ONE_POINT * scale[-1 - self.k :]
         return bool(np.all(near)) and bool(self.inner.same_point(
             replace(a, z=self.inner_vector(a.z)), replace(b, z=self.inner_vector(b.z)), self.inner_vector(scale)
         ))  # fmt: skip

@@ -29,13 +29,13 @@ from contin.problems.conditioned.conditioned_equations import ConditionedEquatio
 from contin.problems.conditioned.intersection import Intersection
 from contin.problems.conditioned.zero_along import zero_along
 from contin.problems.surfaces.of_parameters import choices_of
+from contin.problems.tolerances import ONE_FIXED
 
 TURN: Final = "turn"  # a fold of the conditioned curve, until it is labelled LP
 CURVE_BP: Final = "crossing"
 TEST_OF: Final = {  # the test whose zero a labelled point is
     "LP": "zero", "BP": "zero", "LPC": "zero", "BPC": "zero", "HB": "pair", "NS": "pair", "PD": "flip",
 }  # fmt: skip
-TOLERANCE: Final = 1e-11
 ZERO: Final = 2  # place of the test of an eigenvalue 0 (multiplier 1) among all
 TOUCHING: Final = 1e-6  # of it: it may be zero there, without another sign beyond
 
@@ -131,7 +131,7 @@ class Conditioned(ConditionedEquations):
         return None if found is None else (problem, found, there)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        return python_march.with_one_fixed(self, -1, guess, value, scale, TOLERANCE)
+        return python_march.with_one_fixed(self, -1, guess, value, scale, ONE_FIXED)
 
     def onto_conditions(self, z: Array, scale: Array) -> Array | None:
         """From a solution to one that meets the conditions, at the same value of the varying parameter."""

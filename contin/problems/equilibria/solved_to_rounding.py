@@ -15,11 +15,10 @@ import numpy as np
 
 from contin.abi import Array
 from contin.machine.elementary import cos
+from contin.problems.tolerances import SETTLED, STALLED
 from contin.systems.functions.grain import grain
 
 NEWTON_BUDGET = 30
-SETTLED = 1e-13  # a correction below this is rounding
-STALLED = 1e-7  # a correction that no longer falls must at least be below this
 PERTURBATION = 1e-12  # of the solution, to sample the rounding errors of the defining system
 ALIKE = 4.0  # rounding errors of terms, in units of them
 ROUNDED = 1e-9  # ... and where all terms are rounded anew, while the curvature is below rounding errors

@@ -23,14 +23,13 @@ from contin.problems.equilibria.colliding_pairs import colliding
 from contin.problems.equilibria.scaled import ScaledSystem
 from contin.problems.equilibria.solved_to_rounding import Solved
 from contin.problems.neutral_pairs import errors_of, is_suspect
+from contin.problems.tolerances import CRITICAL, RESIDUAL_LIMIT
 from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
 
-RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
-CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
-CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
+CONSISTENT = 20.0  # a residual that exceeds its own rounding errors by more than this factor satisfies nothing
 UNSURE = 1e-11  # scaled: a fold that is known no better may be a branch point
 NEXT = 1e-4  # scaled: how far from it a multiple zero may be found
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel

@@ -32,6 +32,7 @@ from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, norm, orbit_columns, sampled
 from contin.problems.orbits.measured.measures import standard_columns, standard_names
 from contin.problems.scales import parameter_width
+from contin.problems.tolerances import ONE_PASSAGE
 from contin.records import Fields
 from contin.special.table import test_on_branch
 
@@ -41,8 +42,7 @@ if TYPE_CHECKING:
 
 OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points, and what they are of orbits
 OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
-SAME: Final = 1e-6  # of the states' sizes: two halves of an orbit are one
-OPPOSITE: Final = 1e-3  # ... and move oppositely
+OPPOSITE: Final = 1e-3  # of the largest part of a tangent: what is left where two halves of an orbit move oppositely
 STEEP: Final = 1e5  # multiplier
 COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those of orbits have other units
 
@@ -174,7 +174,7 @@ class HybridOrbits(CycleOfEvents):
             return False
         value, matrix = self.halved().map.jacobian(z[:-1], self.inner.full_parameters(z))
         sizes = self.map.sizes[self.map.kept]
-        if not float(np.max(np.abs(value - z[:-1]) / sizes)) <= SAME:
+        if not float(np.max(np.abs(value - z[:-1]) / sizes)) <= ONE_PASSAGE:
             return False
         moved = (matrix[:, : self.n] @ tangent[:-1] + tangent[:-1]) / sizes
         return float(np.abs(moved).max()) <= OPPOSITE * float(np.abs(tangent[:-1] / sizes).max())

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
     from contin.problems.large_orbits.linearised import Solvers
     from contin.problems.large_orbits.sweeps import Sweeps
-
-SHEARLESS: Final = 1e-7  # of the period's change across a fold, in units of the orbit's speed
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,12 +12,12 @@ from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import critical_index, stay_outside
 from contin.problems.large_orbits.normal_form import with_normal_form
 from contin.problems.sparse.zero_on_curve import At, Zero, point_at, zero_on_curve
+from contin.problems.tolerances import RESIDUAL_LIMIT_OF_LARGE
 
 if TYPE_CHECKING:
     from contin.abi import Array
     from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 
-RESIDUAL_LIMIT: Final = 1e-7
 SAFETY: Final = 2.0  # of a change from one mesh to the next: the finer one has an error of its own
 WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1"}
 
@@ -49,7 +49,7 @@ def verify(problem: LargeOrbitEquations, type_: str, near: Sample, frame: Frame)
     residual = max(at.residual, abs(left))
     moved, fine = on_finer_mesh(problem, type_, found, frame)
     error = found.error + moved
-    if not (residual < RESIDUAL_LIMIT and np.isfinite(found.error)):
+    if not (residual < RESIDUAL_LIMIT_OF_LARGE and np.isfinite(found.error)):
         return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     values, vectors = problem.multipliers(at.z, exactly=True)
     critical = critical_index(values, type_)

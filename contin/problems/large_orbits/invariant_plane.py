@@ -16,11 +16,11 @@ from scipy.linalg import schur
 
 from contin.abi import Array, Vector
 from contin.linalg.krylov import COARSE, TOLERANCE, gmres
+from contin.linalg.newton import Rules, newton
 from contin.linalg.vectors import norm
 from contin.problems.large_orbits.sweeps import Sweeps
 
-SETTLED: Final = 1e-12  # correction of a plane's unit vectors
-BUDGET: Final = 8  # of corrections
+NEWTON: Final = Rules(settled=1e-6, stalled=0.0, far=1.0, budget=8)  # of unit vectors; what is left is the square
 Apply = Callable[[Vector], Vector]
 
 
@@ -84,9 +84,8 @@ class Plane:
 
 def plane_near(across: Across, guess: Array) -> Plane | None:
     """The invariant plane near that of the columns of `guess` (n, 2); None where Newton's method finds none."""
-    V = np.linalg.qr(np.column_stack([across.projected(w) for w in guess.T]))[0]
-    size = np.inf
-    for _ in range(BUDGET):
+
+    def correct(V: Array) -> tuple[float, Array] | None:
         moved = np.column_stack([across.apply(w) for w in V.T])
         A = np.einsum("ij,ik->jk", V, moved)
         if not np.all(np.isfinite(A)):
@@ -95,14 +94,12 @@ def plane_near(across: Across, guess: Array) -> Plane | None:
         triangle, U = _triangular(A)
         known = -np.einsum("ij,jk->ik", residual, U)
         change = np.real(_columns(across.apply, triangle, V, known, np.zeros((2, 2)), COARSE) @ U.conj().T)
-        size = norm(change.ravel())
-        if not size < 1.0:
-            return None
-        V = np.linalg.qr(V + change)[0]
-        if size < np.sqrt(SETTLED):  # what is left is its square
-            break
-    else:
+        return norm(change.ravel()), np.linalg.qr(V + change)[0]
+
+    found = newton(correct, np.linalg.qr(np.column_stack([across.projected(w) for w in guess.T]))[0], NEWTON)
+    if found is None:
         return None
+    V = found.at
     moved = np.column_stack([across.apply(w) for w in V.T])
     A = np.einsum("ij,ik->jk", V, moved)
     triangle, U = _triangular(A.T)

@@ -29,7 +29,7 @@ from contin.machine import elementary
 from contin.problems.equal_multipliers import passing_together
 from contin.problems.large_orbits import branch_points, coarse_birth, events, fast_modes
 from contin.problems.large_orbits.from_starts import FromStarts
-from contin.problems.large_orbits.large_orbit_equations import TOLERANCE, LargeOrbitEquations
+from contin.problems.large_orbits.large_orbit_equations import LargeOrbitEquations
 from contin.problems.large_orbits.layout import Layout, OnPoints
 from contin.problems.large_orbits.linearised import OrbitLinearisation, Solvers
 from contin.problems.large_orbits.multipliers import tests_of
@@ -37,6 +37,7 @@ from contin.problems.large_orbits.radau import STAGES, extremes
 from contin.problems.moved_along import distance_name, distances, remarks_on_frame
 from contin.problems.orbits.hopf_end import cut_at_birth
 from contin.problems.scales import parameter_width
+from contin.problems.tolerances import ONE_FIXED
 
 INTERVALS: Final = 20
 PERIOD_SCALE: Final = 1.0
@@ -163,7 +164,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
         z0 = guess.copy()
         z0[-1] = value
         self.settle(z0, fixed, scale)
-        return python_march.with_one_fixed(self, -1, guess, value, scale, TOLERANCE)
+        return python_march.with_one_fixed(self, -1, guess, value, scale, ONE_FIXED)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(a, b)

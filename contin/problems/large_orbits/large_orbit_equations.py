@@ -28,7 +28,6 @@ from contin.systems.functions.function_system import FunctionSystem
 
 SMALL: Final = 1e-8  # amplitude (scaled) below which an orbit has no phase of its own
 SAME: Final = 1e-8  # scaled distance up to which factors serve for multipliers
-TOLERANCE: Final = 1e-11
 DECISIONS: Final = corrector.Decisions(iterations=7.0, close=0.01, patience=4.0, old=0.1, off=1e-9)
 Moved = Callable[[Array], Array]
 

@@ -14,8 +14,9 @@ import numpy as np
 from contin.continuation.outcome import Verified
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.cycles import coefficient
-from contin.problems.large_orbits.cycle import SHEARLESS, LargeCycle
+from contin.problems.large_orbits.cycle import LargeCycle
 from contin.problems.orbits.normal_forms.normal_form import stated
+from contin.problems.tolerances import SHEARLESS
 
 if TYPE_CHECKING:
     from contin.abi import Array

@@ -25,7 +25,8 @@ from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.equilibria import defining
 from contin.problems.equilibria.solved_to_rounding import Solved
-from contin.problems.equilibria.special_points import CONSISTENT, RESIDUAL_LIMIT, nearest_pair
+from contin.problems.equilibria.special_points import CONSISTENT, nearest_pair
+from contin.problems.tolerances import RESIDUAL_LIMIT
 from contin.systems.accuracy import accuracy_of_equations, error_of_grain
 
 if TYPE_CHECKING:

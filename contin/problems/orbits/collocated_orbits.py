@@ -24,7 +24,6 @@ from contin.problems.orbits.ends.vertical import recounted, remarks, stands_at_b
 from contin.problems.orbits.linearised import lost_growth
 from contin.problems.orbits.linearised.linear import branch_tangents
 from contin.problems.orbits.march import in_kernel
-from contin.problems.orbits.march.in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.measured.columns import integrals, names_of, norms, orbit_columns, periods, with_observables
 from contin.problems.orbits.measured.measures import standard_columns
 from contin.problems.orbits.mesh import coarse
@@ -37,6 +36,7 @@ from contin.problems.orbits.renewal import renew
 from contin.problems.orbits.special_orbits.events import explain, verify, verify_compound
 from contin.problems.orbits.symmetric.shifted_in_time import apart, cut_at_start, in_phase
 from contin.problems.orbits.symmetric.symmetry import orbits_moved, reverses
+from contin.problems.tolerances import PROBE_TOLERANCE
 
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 EXACT = 1e-12  # tolerance where the parameter is fixed

@@ -18,8 +18,7 @@ from contin.continuation.sample import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
-
-TOLERANCE = 1e-11  # of Newton's steps with one unknown fixed
+from contin.problems.tolerances import ONE_FIXED
 
 
 class MarchedInPython(OrbitCurveProblem):
@@ -75,4 +74,4 @@ class MarchedInPython(OrbitCurveProblem):
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         own = self.settled(guess, scale)
-        return python_march.with_one_fixed(own, index, guess, value, scale, TOLERANCE)
+        return python_march.with_one_fixed(own, index, guess, value, scale, ONE_FIXED)

@@ -18,6 +18,7 @@ from contin.problems.gauged import Gauged
 from contin.problems.orbits import hopf_end
 from contin.problems.orbits.measured.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.mesh.layout import Profile
+from contin.problems.tolerances import ONE_POINT
 from contin.problems.two_parameters import OnAdaptiveMesh, TwoParameterProblem
 from contin.simulate.reach import first_to_leave, has_reach
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from contin.continuation.settings import Settings
     from contin.lowering.system import CompiledSystem
     from contin.problems.orbits.family import FamilyOfOrbits
-
-ALIKE = 1e-7  # relative distance of parameters below which two points are one
 
 
 class CurveOfOrbits(Gauged):
@@ -210,4 +209,4 @@ class OfOnePeriod(OfPeriodicOrbits):
         return np.empty(0), int(np.sum(np.abs(values[1:]) > 1.0)), values
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
+        return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ONE_POINT * scale[[-1, -2]]))

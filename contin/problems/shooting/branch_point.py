@@ -16,7 +16,8 @@ from contin.continuation.outcome import Failure, Rejected
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, family_tangents, null_space
-from contin.problems.shooting.locate import SETTLED, Located, locate, on_curve, scalar, scale_of
+from contin.problems.shooting.locate import Located, locate, on_curve, scalar, scale_of
+from contin.problems.tolerances import SETTLED
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations

@@ -19,6 +19,7 @@ from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 from contin.problems.shooting.phase import room
 from contin.problems.shooting.signature import signature
+from contin.problems.tolerances import STAYS_ONE
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
@@ -28,7 +29,6 @@ BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is t
 BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
 AT_BASE = 1e-2  # of half the longest stretch between crossings: the first node is at one
 BACK = 1e-3  # (arclength) how far before it the search for a corner begins
-ALIKE = 1e-6  # distance from 1 of a multiplier that stays 1
 STANDS = 1e-9  # part of the tangent in the parameter's direction that is rounding
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
@@ -65,7 +65,7 @@ def _in_continuum(sample: Sample) -> bool:
     So do the cycles of a centre, where equations are linear on a side of a surface.
     """
     near = np.sort(np.abs(sample.eigenvalues - 1.0))
-    return len(near) > 1 and bool(near[1] < ALIKE) and abs(float(sample.tangent[-1])) < STANDS
+    return len(near) > 1 and bool(near[1] < STAYS_ONE) and abs(float(sample.tangent[-1])) < STANDS
 
 
 def _beyond_one(sample: Sample) -> int:

@@ -21,18 +21,17 @@ from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.locate import Located, locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
+from contin.problems.tolerances import RESIDUAL_LIMIT, STAYS_ONE
 from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
-RESIDUAL_LIMIT = 1e-8
 SAFETY = 2.0  # of errors that are differences of two approximations
 REAL = 1e-4  # imaginary part of multipliers that are real and equal but for rounding
 BESIDE = 1e-2  # arclength (scaled) to orbits that are looked at beside a fold
 STANDING = 1e-10  # of the range: a parameter that changes less between them stands; that of a fold changes as 1e-4
-ALIKE = 1e-6  # distance from 1 of a multiplier that stays 1
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
@@ -105,7 +104,7 @@ def _in_continuum(problem: ShotEquations, here: Sample, frame: Frame) -> bool:
         beside = problem.probe(here, length, here.z + length * frame.scale * here.tangent, frame, Settings())
         if beside is None or abs(float(beside.z[-1] - here.z[-1])) > STANDING * width:
             continue
-        if distance(nontrivial(problem, beside.eigenvalues), (1.0,)) < ALIKE:
+        if distance(nontrivial(problem, beside.eigenvalues), (1.0,)) < STAYS_ONE:
             return True
     return False
 

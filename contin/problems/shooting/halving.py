@@ -17,12 +17,12 @@ from contin.continuation.outcome import Outcome, Verified
 from contin.continuation.sample import Frame, Sample
 from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes, make_scale
+from contin.problems.tolerances import ONE_PASSAGE
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
 
 NEAR: Final = 0.1  # of the states' sizes: how far apart the halves of an orbit may be for the place to be looked for
-SAME: Final = 1e-6  # ... and are two passages of one orbit
 OPPOSITE: Final = 0.1  # relative: directions up to which two are opposite
 
 Verify = Callable[["ShotEquations", str, Sample, Frame], Outcome]
@@ -50,7 +50,7 @@ def halving(problem: ShotEquations, near: Sample, frame: Frame, verify: Verify) 
         return None
     single = Nodes.of(point.z, n)
     z = replace(single, u=np.vstack([single.u, single.u + turn]), period=2.0 * single.period).vector()
-    if not float(np.max(np.abs((z - near.z)[: nodes.u.size].reshape(-1, n)) / sizes)) < 2.0 * apart + SAME:
+    if not float(np.max(np.abs((z - near.z)[: nodes.u.size].reshape(-1, n)) / sizes)) < 2.0 * apart + ONE_PASSAGE:
         return None
     values = elementary.square(np.asarray(point.eigenvalues))
     return replace(
@@ -70,7 +70,7 @@ def drives_halves_apart(problem: ShotEquations, z: Array, tangent: Array) -> boo
         return False
     sizes = np.maximum(np.ptp(problem.profile(z).u, axis=0), 1e-300)
     gap = (nodes.u[half:] - 0.5 * problem.winding - nodes.u[:half]) / sizes
-    if not float(np.max(np.abs(gap))) < SAME:
+    if not float(np.max(np.abs(gap))) < ONE_PASSAGE:
         return False
     first, second = (tangent[k * size : (k + 1) * size] / sizes for k in (0, half))
     together, flow = first + second, problem.system.value(nodes.u[0], problem.full_parameters(z)) / sizes

@@ -24,6 +24,7 @@ from contin.continuation.outcome import Rejected
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
+from contin.problems.tolerances import SETTLED
 from contin.systems.accuracy import accuracy_of_equations
 
 if TYPE_CHECKING:
@@ -33,7 +34,6 @@ FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
 BUDGET = 14
 NOISE = 4.0  # times the trajectories' accuracy: rounding of the scalar
-SETTLED = 1e-13  # arclength of a last step
 ALIKE = 1e-6  # multipliers this near are one that symmetries repeat
 KERNEL = 1e-4  # singular values below this (relative) belong to the null space
 REGULAR = 1e-9  # ... where another branch passes; else they are those of orbits beside which trajectories part

@@ -17,7 +17,7 @@ by differences with steps h and 2 h, whose distance is its error.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,11 +30,10 @@ from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.orbits.normal_forms.normal_form import stated
 from contin.problems.shooting.return_map import ReturnMap, lengths_of_steps
+from contin.problems.tolerances import SHEARLESS
 
 if TYPE_CHECKING:
     from contin.problems.shooting.shot_equations import ShotEquations
-
-SHEARLESS: Final = 1e-7  # change of the period, relative to it and to the eigenvector, up to which it is none
 
 
 def fold(returns: ReturnMap, factor: int = 1) -> Coefficient:

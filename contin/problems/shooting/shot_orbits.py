@@ -37,9 +37,9 @@ from contin.problems.shooting.sampling import measured, why_not
 from contin.problems.shooting.shot_equations import ShotEquations
 from contin.problems.shooting.signature import signature
 from contin.problems.shooting.sliding_end import comes_to_slide
+from contin.problems.tolerances import PROBE_TOLERANCE
 
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
-PROBE_TOLERANCE = 1e-10
 FINER = 0.01  # times the tolerance of trajectories, to see what that makes of a solution
 
 

@@ -20,13 +20,13 @@ from contin.linalg.linear import KrylovBordered, Linear, Solution
 from contin.linalg.region_of_pencil import RegionOfPencil
 from contin.linalg.vectors import dot, generic, norm, norm_in_units
 from contin.machine import elementary
+from contin.problems.tolerances import SETTLED
 
 # errors (scaled) of what is solved for by iteration:
 ROUGH = 0.1  # of a correction with an old matrix, as a part of it
 LONG = 1e-2  # of any correction, as a part of it
 BELOW = 1e-2  # of any correction, as a part of the tolerance that the last one is to meet
 QUADRATIC = 0.1  # of Newton's correction of length 1
-SETTLED = 1e-13  # of any correction
 TANGENT = 1e-5  # of a tangent, as a part of it, ...
 SLOPE = 1e-3  # ... and of dp/ds
 ROUNDED = 1e-14  # at best

@@ -22,6 +22,7 @@ from contin.errors import NotFiniteError
 from contin.linalg.linear import Solution
 from contin.linalg.vectors import norm
 from contin.machine import elementary
+from contin.problems.tolerances import STALLED
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
@@ -30,7 +31,6 @@ STEPS: Final = 12
 EPSILON: Final = float(np.finfo(float).eps)
 ALONG: Final = 1e-6  # what is left of a tangent along null vectors
 SINGULAR: Final = 1e8  # length of solutions with borders of length 1 from which K is singular
-STALLED: Final = 1e-7  # a correction that no longer falls is rounding of a nearly degenerate point
 
 
 def border_rows(nulls: Array, tangent: Array, scale: Array) -> Array:

@@ -34,13 +34,12 @@ from contin.problems.sparse.multiple_kernel import Kernel, ReducedJet
 from contin.problems.sparse.of_coarse_values import error_of_grain
 from contin.problems.sparse.reduced_equation import Reduced, border_rows
 from contin.problems.sparse.zero_on_curve import PERTURBATION, SAMPLES, At, zero_on_curve
+from contin.problems.tolerances import CRITICAL, RESIDUAL_LIMIT_OF_LARGE
 
 if TYPE_CHECKING:
     from contin.problems.sparse.large_equations import LargeEquations
 
 EIGENPAIR = Rules(settled=1e-14, stalled=1e-6)
-RESIDUAL_LIMIT = 1e-7
-CRITICAL = 1e-5
 VANISHING = 1e5  # rounding errors of the matrix: eigenvalues as small vanish together
 SINGULAR = 1e-11  # about the smallest singular value of a matrix that is singular, as a part of its size
 EPSILON = float(np.finfo(float).eps)
@@ -114,7 +113,7 @@ def _fold(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     if found.slope != 0.0:  # the parameter's way, to second order, to where nothing is left
         error += elementary.square(left) / abs(found.slope) * float(frame.scale[-1])
     residual = max(at.residual, abs(left))
-    if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
+    if not residual < RESIDUAL_LIMIT_OF_LARGE + _floor(problem, at.z, frame):
         return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
     return Verified("LP", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form)
 
@@ -172,7 +171,8 @@ def _hopf(problem: LargeEquations, near: Sample, frame: Frame) -> Outcome:
     growth(at)  # the estimate of its error has looked at points beside it
     omega = abs(value.imag)
     residual = max(at.residual, abs(left))
-    if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame) or abs(omega - frequency) > 0.3 * frequency:
+    limit = RESIDUAL_LIMIT_OF_LARGE + _floor(problem, at.z, frame)
+    if not residual < limit or abs(omega - frequency) > 0.3 * frequency:
         return unverified("HB", f"its defining system has no solution nearby (residual {residual:.1e})")
     q = q if value.imag > 0 else np.conj(q)
     values = problem.spectrum(at.z).values
@@ -211,7 +211,7 @@ def _branch_point(problem: LargeEquations, near: Sample, frame: Frame) -> Outcom
         return unverified("BP", "Newton on the reduced equation did not converge")
     z = found.z
     residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(found.mu))
-    if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
+    if not residual < RESIDUAL_LIMIT_OF_LARGE + _floor(problem, z, frame):
         return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
     hessian = found.hessian
 

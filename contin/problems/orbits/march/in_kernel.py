@@ -23,13 +23,13 @@ from contin.problems.orbits.march.rows import Rows
 from contin.problems.orbits.march.slow_passage import dwelling
 from contin.problems.orbits.mesh.adaption import WORTHWHILE, estimate
 from contin.problems.orbits.mesh.layout import Profile, make_scale
+from contin.problems.tolerances import PROBE_TOLERANCE
 
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
 CONTROLS: Final = 10  # numbers that steer the kernel
 TESTS: Final = 4  # ... and test functions that it fills
-PROBE_TOLERANCE: Final = 1e-10
 ALIGNED: Final = 0.99  # cosine of two tangents at one point, up to rounding
 LONGEST_CHUNK: Final = 300
 DWELLING: Final = 0.2  # part of the period spent slowly from which growing periods are watched closely

@@ -32,6 +32,7 @@ from contin.problems.orbits.linearised.linear import OrbitLinear
 from contin.problems.orbits.mesh.layout import in_intervals
 from contin.problems.orbits.normal_forms.branch_point import branch_point
 from contin.problems.orbits.normal_forms.carried_borders import carried
+from contin.problems.tolerances import SHEARLESS
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from contin.problems.orbits.linearised.solved_orbit import SolvedOrbit
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-SHEARLESS: Final = 1e-7  # A q - q' over its terms' moduli, of every state: the period does not change across the fold
 UNMOVED: Final = float(np.sqrt(np.finfo(float).eps))
 UNKNOWN: Final = (
     "its normal form could not be computed (the error of its coefficient is as large as its terms: the multiplier is "

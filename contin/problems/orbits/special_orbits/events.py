@@ -29,12 +29,12 @@ from contin.problems.orbits.normal_forms.normal_form import normal_form
 from contin.problems.orbits.special_orbits.defining import flat_fold, is_told_by_equations, solve_special
 from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
 from contin.problems.orbits.symmetric.symmetry import symmetry_of
+from contin.problems.tolerances import RESIDUAL_LIMIT_OF_LARGE
 from contin.special.table import of_cycle
 
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-RESIDUAL_LIMIT = 1e-7  # scaled
 CANCELLED = 64.0  # rounding errors of the range: what terms of the equations that cancel leave, the same in all samples
 UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at which an event is not labelled
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
@@ -132,7 +132,7 @@ def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> O
         )
     if solved is None:
         return unverified(type_, "Newton on its defining system did not converge")
-    if not solved.residual <= RESIDUAL_LIMIT:
+    if not solved.residual <= RESIDUAL_LIMIT_OF_LARGE:
         return unverified(type_, f"its defining system has no solution nearby (residual {solved.residual:.1e})")
     if type_ == "NS" and abs(solved.theta - theta) > 0.3:
         return unverified("NS", f"the angle moved from {theta:.3g} to {solved.theta:.3g}")
