@@ -29,6 +29,7 @@ from contin.machine import elementary
 PITCHFORK: Final = "pitchfork"
 OWN: Final = {"LP": ("CP",), "CP": ("SW",), "BP": ("DP",)}  # of curve -> what is looked for, in the order of its tests
 GENERIC: Final = ("DBP", "DBP:b20")  # the same on branch points in three parameters
+TYPE_OF: Final = {"DBP:b20": "DBP"}  # the type of points where it vanishes, if it has another name
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ def scalar(base: SingularSolutions, name: str, z0: Array) -> Scalars:
 
 def described(base: SingularSolutions, point: Verified, scale: Array) -> Outcome:
     """Points on curves of branch points with the coefficients of the reduced equation."""
-    name = point.type.partition(":")[0]
+    name = degeneracies.TYPE_OF.get(point.type, point.type)
     mesh = OnMesh(base.at(point.z), base.profile(point.z).h)
     x, sizes = mesh.unknowns(base.inner(point.z)), mesh.unknowns(base.inner(scale))
     form = form_of_branch_point(mesh, x, smallest(mesh, x), point.error, sizes)

@@ -43,7 +43,12 @@ NAMES: Final = {  # where two functions belong to one type: what the engine watc
     "BT": ("DBT", "DBT:b", "TZ", "FH"), "BP": ("DBP", "DBP:b20", "FZ", "FH"),
 }  # fmt: skip
 
+TYPE_OF: Final = {  # of what the engine watches
+    name: type_ for curve, known in TYPES.items() for name, type_ in zip(NAMES.get(curve, known), known, strict=True)
+}
+
 VANISHING: Final = {"SW": "c", "DBT": "a", "DBT:b": "b", "DGH": "l2", "DBP:b20": "b20"}  # the coefficient that is zero
+OWN: Final = frozenset({*VANISHING, "BT", "DBP"})  # zeros of functions of the curve's own critical eigenvectors
 
 
 def types(curve: str) -> Sequence[str]:
@@ -84,11 +89,11 @@ def _own(problem: LocusProblem, curve: str, name: str, near: Array) -> Callable[
         return _with_borders(problem, near, lambda z, v, psi, solve: _cubic(problem, z, v, psi, solve))
     if (curve, name) == ("CP", "BT"):
         return _with_borders(problem, near, lambda z, v, psi, solve: float(psi @ v))
-    if name.startswith("DBT"):
-        return lambda z: _jordan(problem, z)[name.endswith(":b")]
+    if curve == "BT":
+        return lambda z: _jordan(problem, z)[VANISHING[name]]
     if name == "DGH":
         return lambda z: float(_form(problem, "GH", z).coefficients["l2"])
-    return lambda z: _hessian(problem, z)[name.endswith(":b20")]
+    return lambda z: _hessian(problem, z)[name]
 
 
 Solve = Callable[[Array], Array]
@@ -134,21 +139,21 @@ def _form(problem: LocusProblem, type_: str, z: Array) -> NormalForm:
     return normal_form(type_, jet_at(problem, z), frequency=frequency)
 
 
-def _jordan(problem: LocusProblem, z: Array) -> tuple[float, float]:
+def _jordan(problem: LocusProblem, z: Array) -> dict[str, float]:
     """a and b of a Bogdanov-Takens point, with q0 along the curve's border."""
     found = normal_form("BT", jet_at(problem, z))
     along = float(np.asarray(found.vectors["q0"]) / problem.curve.sizes @ problem.curve.reference(z))
     sense = 1.0 if along > 0.0 else -1.0
-    return sense * float(found.coefficients["a"]), sense * float(found.coefficients["b"])
+    return {key: sense * float(found.coefficients[key]) for key in ("a", "b")}
 
 
-def _hessian(problem: LocusProblem, z: Array) -> tuple[float, float]:
+def _hessian(problem: LocusProblem, z: Array) -> dict[str, float]:
     """a02 b20 - b11^2 of the reduced equation in the first parameter, and b20 with q along the curve's border."""
     form = branch_point(jet_at(problem, z, (problem.curve.first,)))
     found = form.coefficients
     a02, b11, b20 = (float(found[key]) for key in ("a02", "b11", "b20"))
     along = float(np.asarray(form.vectors["q"]) / problem.curve.sizes @ problem.curve.reference(z))
-    return a02 * b20 - elementary.square(b11), b20 if along > 0.0 else -b20
+    return {"DBP": a02 * b20 - elementary.square(b11), "DBP:b20": b20 if along > 0.0 else -b20}
 
 
 def explain(curve: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -159,7 +164,7 @@ def explain(curve: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
 
 def function_of(problem: LocusProblem, curve: str, name: str, z0: Array) -> Scalars | str:
     """The function that vanishes at a point on a curve; or why there is none."""
-    if name in ("SW", "BT", "DGH") or name.startswith(("DBT", "DBP")):
+    if name in OWN:
         own = _own(problem, curve, name, z0)
 
         def value(z: Array) -> Array:
@@ -199,7 +204,7 @@ def described(problem: LocusProblem, curve: str, point: Verified) -> Outcome:
     name, z = point.type, point.z
     if name == "FH" and not _has_pair(problem, curve, z):
         return NOTHING
-    type_ = name.partition(":")[0]
+    type_ = TYPE_OF[name]
     values = eigenvalues(problem, z)
     rest = len(_critical(problem, curve, z, values))
     more = COUNTS.get(type_, 0)
