@@ -1,10 +1,10 @@
 """Tests of orbit and inclination flips of homoclinic orbits: the part of a solution along a leading direction.
 
 Towards an end a solution x (the orbit's distance from its saddle, or the bounded solution of the adjoint variational
-equation) decays like c v exp(-r |t - t0|): v and r of the leading eigenvalue, t0 the time at which x is largest. The
-test is c in units of the largest x,
+equation) decays like c v exp(-r |t - t0|): v and r of the leading eigenvalue, t0 the time of its last hump as large as
+half of its largest value X. The test is c in units of X,
 
-    (w' x(end) / |w|) / |x(t0)|  exp(r |t - t0|),    w the eigenvector that is paired with v,
+    (w' x(end) / |w|) / X  exp(r |t - t0|),    w the eigenvector that is paired with v,
 
 smooth through its zero. (The cosine of the angle between w and x(end) is +1 or -1 but for an interval as wide as the
 ratio of the leading part to the others, exponentially small in the length of the orbit's ends: a step.)
@@ -41,26 +41,33 @@ def ends_of_orbit(profile: Profile, termini: tuple[Array, Array], sizes: Array) 
     """Of the distances of an orbit's ends from the saddles, relative to where it is farthest from both."""
     first, last = ((profile.u - terminus) / sizes for terminus in termini)
     lengths = np.minimum(np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1))
-    top = int(np.argmax(lengths))
-    size, times = float(lengths[top]), profile.times * profile.period
+    size, times = float(lengths.max()), profile.times * profile.period
     if not size > 0.0:
         return None, None
-    return End(first[0] / size, float(times[top] - times[0])), End(last[-1] / size, float(times[-1] - times[top]))
+    away, home = _large(lengths, times)
+    return End(first[0] / size, away - float(times[0])), End(last[-1] / size, float(times[-1]) - home)
 
 
 def ends_of_adjoint(profile: Profile, adjoint: Array, least: float) -> Ends:
     """Of the bounded adjoint solution at the Gauss points, where it is above `least` of its largest value."""
     lengths, times = np.linalg.norm(adjoint, axis=1), profile.gauss_times * profile.period
-    top = int(np.argmax(lengths))
-    size = float(lengths[top])
+    size = float(lengths.max())
     known = np.flatnonzero(lengths > least * size)
     if not known.size:
         return None, None
-    first, last = int(known[0]), int(known[-1])
-    return (
-        End(adjoint[first] / size, float(times[top] - times[first])),
-        End(adjoint[last] / size, float(times[last] - times[top])),
-    )
+    first, last, (away, home) = int(known[0]), int(known[-1]), _large(lengths, times)
+    return End(adjoint[first] / size, away - float(times[first])), End(adjoint[last] / size, float(times[last]) - home)
+
+
+def _large(lengths: Array, times: Array) -> tuple[float, float]:
+    """The times of the first and the last hump of a solution that has half of its largest size.
+
+    Of two loops that are nearly as large, rounding says which is the larger one: the time of that jumps.
+    """
+    sides = np.concatenate([[-np.inf], lengths, [-np.inf]])
+    humps = (lengths >= sides[:-2]) & (lengths >= sides[2:]) & (lengths >= 0.5 * float(lengths.max()))
+    places = np.flatnonzero(humps)
+    return float(times[places[0]]), float(times[places[-1]])
 
 
 def component(memory: dict[str, Array], name: str, slow: Leading, direction: Array, end: End | None) -> float:

@@ -138,3 +138,17 @@ def test_the_test_of_a_flip_does_not_depend_on_where_the_orbit_is_cut(length):
     _, home = ends_of_orbit(profile, (np.zeros(2), np.zeros(2)), np.ones(2))
     slow = Leading(-1.0 + 0j, np.array([1.0, 0.0]), np.array([1.0, 0.0]))
     assert component({}, "OFS", slow, slow.left, home) == pytest.approx(c / np.sqrt(1 + c * c), rel=1e-12)
+
+
+def test_which_of_two_loops_is_the_larger_one_by_rounding_does_not_matter():
+    h = np.full(80, 1.0 / 80)
+    times = 40.0 * node_times(h, 4)
+
+    def ends(share):
+        u = np.exp(-np.abs(times - 12.0)) + share * np.exp(-np.abs(times - 28.0))
+        profile = Profile(4, u[:, None], 40.0, h, 0.0)
+        return ends_of_orbit(profile, (np.zeros(1), np.zeros(1)), np.ones(1))
+
+    for one, other in zip(ends(1.0 - 1e-9), ends(1.0 + 1e-9), strict=True):
+        assert one.time == pytest.approx(other.time, rel=1e-12)
+        assert one.vector * np.exp(one.time) == pytest.approx(1.0, rel=1e-2)  # the loop's own
