@@ -20,13 +20,12 @@ from contin.homoclinic import events
 from contin.homoclinic.connection_layout import Gauge
 from contin.homoclinic.curve_of_connections import CurveOfConnections
 from contin.homoclinic.further_saddle import further_saddle
-from contin.homoclinic.interval import farther, fits, fitted
+from contin.homoclinic.refitting import farther_and_finer, fit_for, on_interval, on_mesh
 from contin.homoclinic.surfaces import surface_met, why_not
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.tangent_solver import Factorised, factorised
 from contin.problems.orbits.measured.columns import of_one_size, orbit_columns
-from contin.problems.orbits.mesh.adaption import choose_mesh, estimate
 from contin.problems.orbits.mesh.layout import make_scale, sizes_of
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.problems.two_parameters import UNBOUNDED
@@ -35,7 +34,6 @@ from contin.special.table import tests_of_connections
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
 BESIDE = 1e-3  # (arclength) from an orbit at which the corrector failed to others, which may cross a surface
 ALIKE = 1e-6  # relative distance of parameters below which two points are one
@@ -162,16 +160,12 @@ class ConnectionProblem(CurveOfConnections):
 
     def _refined(self, sample: Sample, frame: Frame) -> tuple[Self, Sample, Frame] | None:
         known = Gauge(vectors=self.curve.gauged(frame.gauge).chosen.vectors)  # what signs refer to
-        curve = replace(self.curve, doubting=True).gauged(known)
-        sizes = self.sizes(sample.z, frame.scale)
-        z = fitted(curve, sample.z, sizes, farther(curve))
-        h = np.repeat(0.5 * curve.profile(z).h, 2)
-        scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
-        finer = replace(self, curve=curve)
-        start = finer._on_interval(z, sample, scale, h, Settings())
+        finer = replace(self, curve=replace(self.curve, doubting=True).gauged(known))
+        fit = farther_and_finer(finer, sample.z, frame.scale)
+        start = on_interval(finer, finer.curve, fit, sample, frame.scale, Settings())
         if start is None:
             return None
-        return finer, start.origin, Frame(scale, gauge=finer.settled(start.origin.z, scale).curve.gauge)
+        return finer, start.origin, Frame(fit.scale, gauge=finer.settled(start.origin.z, fit.scale).curve.gauge)
 
     def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
         """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
@@ -191,8 +185,7 @@ class ConnectionProblem(CurveOfConnections):
             where = self.place(origin.z)
             text = f"an eigenvalue of the saddle vanished before {where}: its projections mean nothing beyond"
             return Renewal(scale, origin, before, None, End("saddle-node", text))
-        profile, sizes = self.curve.profile(origin.z), self.sizes(origin.z, scale)
-        orbits = self.curve.orbits
+        sizes = self.sizes(origin.z, scale)
         extent, last = (self._extent(sample, sizes) for sample in (origin, before or origin))
         if extent < min(SMALL, last):  # beside the point that they are born at they are as small, and grow
             text = f"the connecting orbits shrink to a point near {self.place(origin.z)}"
@@ -200,22 +193,13 @@ class ConnectionProblem(CurveOfConnections):
         met = None if before is None else further_saddle(self, origin.z, before.z, scale, sizes)
         if met is not None:
             return Renewal(scale, origin, before, None, met)
-        grown = np.maximum(sizes, np.abs(profile.u).max(axis=0))
-        error, _ = estimate(profile, grown)
-        short = not fits(self.curve, origin.z, sizes)
-        if not short and error <= OUTGROWN * orbits.tolerance and np.all(grown <= 2.0 * sizes):
+        fit = fit_for(self, origin.z, scale)
+        if fit is None:
             return Renewal(scale, origin, before, None)
-        z = fitted(self.curve, origin.z, sizes) if short else origin.z
-        chosen = choose_mesh(self.curve.profile(z), grown, orbits.tolerance, orbits.intervals)
-        renewed = self.scale_for(chosen.h, grown, float(scale[-1]), float(scale[-2]))
-        if short:
-            return self._on_interval(z, origin, renewed, chosen.h, settings) or Renewal(scale, origin, before, None)
-        here = self._moved(origin, scale, renewed, chosen.h)
-        corrected = self.probe(here, 0.0, here.z, Frame(renewed), settings)
-        if corrected is not None:
-            sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
-            here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
-        return Renewal(renewed, here, None if before is None else self._moved(before, scale, renewed, chosen.h), None)
+        if fit.another_interval:
+            there = on_interval(self, self.curve, fit, origin, scale, settings)
+            return Renewal(scale, origin, before, None) if there is None else there
+        return on_mesh(self, self.curve, fit, origin, before, scale, settings)
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """The chain of connections that the curve was near when its corrector failed."""
@@ -228,36 +212,6 @@ class ConnectionProblem(CurveOfConnections):
     def _extent(self, sample: Sample, sizes: Array) -> float:
         """Of the orbit, relative to the states' sizes."""
         return float(np.max(np.ptp(self.curve.profile(sample.z).u, axis=0) / sizes))
-
-    def _on_interval(self, z: Array, origin: Sample, scale: Array, h: Array, settings: Settings) -> Renewal | None:
-        """The point on another interval of time: solved anew, with the tangent in the same sense."""
-        curve = self.curve
-        z = curve.join(curve.profile(z).on_mesh(h), curve.equilibria(z), float(z[-2]))
-        try:
-            tangent = np.asarray(self.tangents(z, scale)[0])
-        except InputError:  # the interval stays as it is
-            return None
-        around = [-2, -1]
-        if float(tangent[around] @ origin.tangent[around]) < 0.0:
-            tangent = -tangent
-        base = replace(origin, z=z, tangent=tangent)
-        corrected = self.probe(base, 0.0, z, Frame(scale), settings)
-        if corrected is None:
-            return None
-        sign = np.sign(float(corrected.tangent @ tangent)) or 1.0
-        here = replace(corrected, tangent=sign * corrected.tangent, tests=origin.tests, unstable=origin.unstable)
-        return Renewal(scale, here, None, None)
-
-    def _moved(self, sample: Sample, scale: Array, renewed: Array, h: Array) -> Sample:
-        """A sample on another mesh and in another metric."""
-        curve = self.curve
-        old = curve.profile(sample.z)
-        raw = sample.tangent * scale
-        moving = replace(old, u=raw[: old.u.size].reshape(old.u.shape)).on_mesh(h)
-        z = curve.join(old.on_mesh(h), curve.equilibria(sample.z), float(sample.z[-2]))
-        saddles = raw[old.u.size : old.u.size + curve.saddles * curve.n]
-        t = np.concatenate([moving.u.ravel(), saddles, [0.0], np.zeros(len(h)), raw[-2:]]) / renewed
-        return replace(sample, z=z, tangent=t / np.linalg.norm(t))
 
     def end_at(self, point: Verified) -> End | None:
         """NCH and SH, beyond which the equations describe no homoclinic orbits to this equilibrium."""

@@ -50,6 +50,8 @@ PARTS: Final[Mapping[str, Part]] = {
     "CurveOfConnections": Part("contin.homoclinic.cycle_connection_problem", made=("spaces",)),
     "TangencyBase": Part("contin.loci.augmented.tangencies", made=("chosen",)),
     "CurveOfTangencies": Part("contin.loci.augmented.tangencies"),
+    "FoldsOfConnections": Part("contin.loci.augmented.connections", made=("chosen",)),
+    "CurveOfFolds": Part("contin.loci.augmented.of_connections"),
     "TwoPoint": Part("contin.bvp.two_point", by="two_point", of=("model", "free")),
     "HybridOrbits": Part("contin.problems.hybrid.hybrid_orbits"),
     "HybridLocus": Part("contin.loci.hybrid_orbits"),

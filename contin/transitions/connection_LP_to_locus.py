@@ -1,4 +1,4 @@
-"""The curve through a fold of a branch of connecting orbits with a cycle, in two parameters."""
+"""The curve through a fold of a branch of connecting orbits, in two parameters."""
 
 from __future__ import annotations
 
@@ -7,11 +7,18 @@ from collections.abc import Sequence
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.homoclinic.cycle_connection_problem import ConnectionToCycle
-from contin.loci.augmented.tangencies import curve_of
+from contin.homoclinic.saddle_connections import ConnectionProblem
+from contin.loci.augmented import of_connections, tangencies
 from contin.transitions.registry import born
 
 
 @born(ConnectionToCycle, "LP", "the curve where the manifolds touch", parameters=2)
-def tangencies(problem: ConnectionToCycle, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def with_cycles(problem: ConnectionToCycle, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Seed of the curve of folds."""
-    return [curve_of(problem, point, parameters)]
+    return [tangencies.curve_of(problem, point, parameters)]
+
+
+@born(ConnectionProblem, "LP", "the curve where the manifolds touch", parameters=2)
+def between_saddles(problem: ConnectionProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """Seed of the curve of folds."""
+    return [of_connections.curve_of(problem, point, parameters)]

@@ -1,38 +1,33 @@
-"""Curves whose unknowns follow a mesh."""
+"""Curves of special solutions of boundary-value problems, whose unknowns follow a mesh."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, Self, cast
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.outcome import Outcome, Verified, unverified
+from contin.continuation.outcome import Verified
 from contin.continuation.problem import Renewal
-from contin.continuation.sample import Frame, Sample, opposite
+from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
+<<<<<<< HEAD
 from contin.loci.augmented import events
 from contin.loci.augmented.augmented_curve import AugmentedCurve
+=======
+from contin.loci.augmented.on_meshes import CurveOnMeshes
+>>>>>>> 583a0696 (Folds of connecting orbits that persist at given parameters are followed in two, with cusps)
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
 from contin.problems.tolerances import ONE_POINT
 
-SETTINGS: Final = Settings()
-ORDER: Final = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
-
 
 @dataclass(frozen=True, eq=False)
-class AdaptiveCurve(AugmentedCurve):
+class AdaptiveCurve(CurveOnMeshes):
     """`base` has a mesh in its unknowns (`contin.loci.augmented.boundary`)."""
-
-    base: Any
-
-    adaptive = True
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
@@ -72,41 +67,13 @@ class AdaptiveCurve(AugmentedCurve):
         )
         return self._moved(near, frame.scale, scale, h), Frame(scale)
 
-    def refined(self, sample: Sample, frame: Frame) -> tuple[AdaptiveCurve, Sample, Frame] | None:
-        """Of a point of the curve that has no defining system (a user value), by which its error is told."""
-        near, finer = self.finer(sample, frame)
-        own = self.corrected(sample.z)
-        found = own.probe(near, 0.0, near.z.copy(), finer, SETTINGS)
-        return None if found is None else (own, found, finer)
-
-    def corrected(self, z: Array) -> Self:
-        """The curve of equations that are nearer to what is meant than those solved, where there are such."""
-        base = self.base.corrected(z)
-        return self if base is self.base else replace(self, base=base)
-
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        """As solved on the mesh of the curve, with the error by which it moves on a finer one."""
-        found = super().verify(type_, near, frame)
-        if type_ == "CP" and self.type == "LP":
-            touching = self.base.touching(self, found.z if isinstance(found, Verified) else near.z, frame)
-            if touching is not None:
-                return cast("Outcome", touching)
-        if not isinstance(found, Verified):
-            return found
-        sample, finer = self.finer(replace(near, z=found.z), frame)
-        again = events.verify(self.corrected(sample.z).beside(sample.z, finer), type_, sample, finer)
-        if not isinstance(again, Verified):
-            return unverified(type_, "it is not there on a mesh of twice as many intervals")
-        moved = ORDER * np.abs(again.z[[-1, -2]] - found.z[[-1, -2]])
-        known = {k: float(found.vectors[k]) + float(moved[1]) for k in ("second",) if k in found.vectors}
-        return replace(found, error=found.error + float(moved[0]), vectors={**found.vectors, **known})
-
     def end_at(self, point: Verified) -> End | None:
         if not point.vectors.get("mirrored"):
             return None
         at = float(point.z[-1])
         text = f"met its own mirror image on the curve of branch points at {self.parameters[0]} = {at:.10g}"
         return End("joined", text, {"at": at})
+<<<<<<< HEAD
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = [
@@ -119,3 +86,5 @@ class AdaptiveCurve(AugmentedCurve):
         count = len(self.names)
         slack = ONE_POINT * scale[-count:] + 3.0 * (a.error + b.error)
         return bool(np.all(np.abs(a.z[-count:] - b.z[-count:]) <= slack))
+=======
+>>>>>>> 583a0696 (Folds of connecting orbits that persist at given parameters are followed in two, with cusps)

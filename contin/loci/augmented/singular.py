@@ -118,9 +118,9 @@ def null_vectors(matrix: Matrix, count: int) -> Borders:
 
 
 def singular(
-    equations: Equations, y: Array, own: Matrix, borders: Borders, slopes: bool = True
+    equations: Equations, y: Array, own: Matrix, borders: Borders, slopes: bool = True, length: float = STEP
 ) -> Singular | None:
-    """The scalars of M (`own`) at y, scaled; without `slopes` their gradient is left empty.
+    """The scalars of M (`own`) at y, scaled; without `slopes` their gradient is left empty; `length` of its steps.
 
     M has the first rows and columns of F' there, with the column of the last parameter where branch points are meant
     (or is like it, as for orbits that close with another sign).
@@ -140,7 +140,7 @@ def singular(
         direction[:n] = v[:n, k]
         if columns > n:
             direction[-1] = v[n, k]
-        step = STEP / norm(direction)
+        step = length / norm(direction)
         ahead, behind = (equations.at(y + side * step * direction) for side in (1.0, -1.0))
         if ahead is None or behind is None:
             return None
