@@ -13,16 +13,10 @@ from contin.continuation.problem import Renewal
 from contin.continuation.sample import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
-<<<<<<< HEAD
-from contin.loci.augmented import events
-from contin.loci.augmented.augmented_curve import AugmentedCurve
-=======
 from contin.loci.augmented.on_meshes import CurveOnMeshes
->>>>>>> 583a0696 (Folds of connecting orbits that persist at given parameters are followed in two, with cusps)
 from contin.problems.orbits.mesh.layout import make_scale
 from contin.problems.orbits.mesh.move import Move
 from contin.problems.orbits.renewal import refitted
-from contin.problems.tolerances import ONE_POINT
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,18 +67,3 @@ class AdaptiveCurve(CurveOnMeshes):
         at = float(point.z[-1])
         text = f"met its own mirror image on the curve of branch points at {self.parameters[0]} = {at:.10g}"
         return End("joined", text, {"at": at})
-<<<<<<< HEAD
-
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        changed = [
-            t for t in self.base.types(self.type)
-            if (k := self.test_of(t)) is not None and opposite(a.tests[k], b.tests[k])
-        ]  # fmt: skip
-        return [self.verify(type_, a, frame) for type_ in changed]
-
-    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        count = len(self.names)
-        slack = ONE_POINT * scale[-count:] + 3.0 * (a.error + b.error)
-        return bool(np.all(np.abs(a.z[-count:] - b.z[-count:]) <= slack))
-=======
->>>>>>> 583a0696 (Folds of connecting orbits that persist at given parameters are followed in two, with cusps)

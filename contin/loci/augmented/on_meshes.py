@@ -16,7 +16,7 @@ from contin.continuation.sample import Frame, Sample, opposite
 from contin.continuation.settings import Settings
 from contin.loci.augmented import events
 from contin.loci.augmented.augmented_curve import AugmentedCurve
-from contin.loci.tolerances import ALIKE
+from contin.problems.tolerances import ONE_POINT
 
 SETTINGS: Final = Settings()
 ORDER: Final = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
@@ -83,5 +83,5 @@ class CurveOnMeshes(AugmentedCurve):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         count = len(self.names)
-        slack = ALIKE * scale[-count:] + 3.0 * (a.error + b.error)
+        slack = ONE_POINT * scale[-count:] + 3.0 * (a.error + b.error)
         return bool(np.all(np.abs(a.z[-count:] - b.z[-count:]) <= slack))
