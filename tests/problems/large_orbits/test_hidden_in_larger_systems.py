@@ -116,6 +116,13 @@ def test_the_slope_of_a_curve_takes_jacobians_beside_the_orbit_once_for_all_dire
 RADIUS = 0.5
 
 
+def branch_point(hidden, p, q, layout=None):
+    """The seed of the curve of branch points; the circle is found beside them, where its equations are regular."""
+    orbits, z = hidden.orbit(0.25, {"p": p + 0.1, "q": q}, layout)
+    z[-1] = p
+    return curve_of(orbits, z, "BPC", ("p", "q"), Parent("orbits", "BPC"))
+
+
 @pytest.mark.parametrize(
     ("n", "layout", "angle"),
     [
@@ -126,9 +133,7 @@ RADIUS = 0.5
 def test_a_curve_of_branch_points_runs_along_either_parameter(n, layout, angle):
     """p^2 + q^2 = 1/4; at (1/2, 0) it runs along q, at (0, 1/2) along p, in which the family is followed."""
     hidden = Hidden(n, "sparse", crossing())
-    there = {"p": RADIUS * np.cos(angle), "q": RADIUS * np.sin(angle)}
-    orbits, z = hidden.orbit(0.25, there, layout)
-    seed = curve_of(orbits, z, "BPC", ("p", "q"), Parent("orbits", "BPC"))
+    seed = branch_point(hidden, RADIUS * np.cos(angle), RADIUS * np.sin(angle), layout)
     scale = seed.problem.initial_scale(seed.z, (-1.0, 1.0))
     near = seed.problem.near(seed.z, scale)
     hidden.jacobians = 0
@@ -144,8 +149,7 @@ def test_a_curve_of_branch_points_runs_along_either_parameter(n, layout, angle):
 def test_a_curve_of_branch_points_turns_round():
     """The combinations that are held are chosen anew as its tangent turns, or another curve would seem to cross."""
     hidden = Hidden(8, "sparse", crossing())
-    orbits, z = hidden.orbit(0.25, {"p": 0.48, "q": 0.14})
-    seed = curve_of(orbits, z, "BPC", ("p", "q"), Parent("orbits", "BPC"))
+    seed = branch_point(hidden, 0.48, 0.14)
     span = {"p": (-1.0, 1.0), "q": (-1.0, 1.0)}
     curve = contin.continuation(seed, ("p", "q"), span, settings={"step": 0.1, "steps": 8})
     assert not curve.points
