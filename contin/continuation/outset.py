@@ -25,6 +25,7 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 
 BEFORE_TURN = 0.3  # part of the way from a start to where the parameter turns, at which a branch is taken up
+STILL_TOLD = 0.75  # part of the distance at which a branch is told from its neighbours, at which it is told as well
 CRITICAL = 1e-8  # distance from the stability boundary, relative to an eigenvalue's size, of one that may be on it,
 ON_CIRCLE = 1e-6  # ... of a multiplier, and
 ZERO = 1e-9  # size, relative to the largest, of an eigenvalue that may be zero
@@ -67,6 +68,8 @@ def set_out(
 
     first = settings.first_step if seed.reach is None else 10.0 * seed.reach
     ladder = first * elementary.pow(10.0, -np.arange(1.0, 5.5, 0.5))
+    if seed.reach is not None:  # nearer to the start than that, branches may not be told apart
+        ladder = np.insert(ladder, 1, STILL_TOLD * seed.reach)
     born = Birth.of(seed)
     turn = _turn(seed, sense, scale)
     if turn is not None and BEFORE_TURN * turn < ladder[0]:

@@ -8,7 +8,7 @@ between two of them. Lengths and angles are measured in scaled unknowns z / scal
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol, TypeGuard
 
@@ -267,9 +267,9 @@ class Problem(ABC):
         """Events that coincide: a and b are indistinguishably close, on either side."""
         return ()
 
-    def together(self, a: Sample, b: Sample) -> Together | None:
-        """Multipliers that are equal to rounding and pass together, where they are all that changes between a and b."""
-        return None
+    def together(self, a: Sample, b: Sample) -> Iterable[Together]:
+        """Multipliers that are equal to rounding and may pass together, where that is all that changes from a to b."""
+        return ()
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""

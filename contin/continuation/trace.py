@@ -33,6 +33,7 @@ from contin.continuation.gone_over_on_meshes import gone_over_on_meshes
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.location.targets import Wanted
 from contin.continuation.outcome import Verified
+from contin.continuation.passed_twice import passed_twice_note
 from contin.continuation.problem import Problem, in_two_parameters
 from contin.continuation.rows import Rows
 from contin.continuation.sample import Frame, Sample
@@ -242,13 +243,12 @@ def _assemble(
     changes = [row for row in changes if not needs_no_label(row, unstable, columns, labels)]
     unlabelled = sum(not needs_no_label(row, unstable, columns, labels) for row in everywhere)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
-    unknown = uncounted(eigenvalues, [*born, *(row for row, *_ in labels)]) if exact else []
+    special = {*born, *(row for row, *_ in labels)}
+    unknown = uncounted(eigenvalues, special) if exact else []
     untold = _astray(departure, z, columns, raw_tangents, labels, start_row, (born, rows.jumps))
     untold += [Sentence(text) for text in uncounted_note(unknown, columns, problem.parameters[0], len(z))]
-    notes += [*_remarks(rows.labelled, problem), *untold]
-    if seed.scale is None:
-        moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
-        notes += [Sentence(problem.guess_note(moving))] if moving else []
+    untold += passed_twice_note(problem, eigenvalues, z, special) if exact else []
+    notes += [*_remarks(rows.labelled, problem), *untold, *_guessed(departure, columns)]
     if problem.has_stability:
         columns["unstable"] = unstable
         columns["stable"] = (unstable == 0) & ~np.isin(np.arange(len(unstable)), unknown)
@@ -265,6 +265,14 @@ def _assemble(
         jumped=max(unlabelled - len(changes), 0),
         unexplained=len(changes) + len(untold) + sum(p.hiding for r in records.values() for p in r.segments),
     )  # fmt: skip
+
+
+def _guessed(departure: Departure, columns: Record) -> list[Sentence]:
+    """A note for states that move, of which nothing says how large they are."""
+    seed, problem = departure.seed, departure.seed.problem
+    names = problem.guessed(seed.z, departure.bounds) if seed.scale is None else ()
+    moving = [name for name in names if np.any(columns[name])]
+    return [Sentence(problem.guess_note(moving))] if moving else []
 
 
 def _astray(

@@ -103,14 +103,15 @@ def hopf_predictor(
 ) -> CyclePredictor:
     """The cycles born at a Hopf point, for a jet with one active parameter.
 
-    vectors : (q, p) with <p, q> = 1 where a symmetry makes i omega multiple and tells which cycles are meant.
+    vectors : (q, p) with <p, M q> = 1 where i omega is multiple: which cycles are meant.
 
     With lambda'(p) = gamma: p2 = -Re c1/Re gamma, omega2 = Im c1 + p2 Im gamma. Where the pair does not cross with
     speed (Re gamma zero to its estimated error), p2 = 0.
     """
-    manifold = hopf_manifold(jet, omega)
-    if vectors is not None:
-        pair = EigenPair(manifold.values[0], *vectors, 0.0, np.inf)
+    if vectors is None or omega is None:
+        manifold = hopf_manifold(jet, omega)
+    else:
+        pair = EigenPair(1j * omega, *vectors, 0.0, np.inf)
         manifold = CentreManifold(jet, [pair, conjugate(pair)])
     c1, gamma = manifold.g((2, 1), 0), manifold.g((1, 0, 1), 0)
     crosses = abs(gamma.real) > TRUST * manifold.magnitude((1, 0, 1), 0)

@@ -6,6 +6,7 @@ length: two or four, or more, real ones or pairs.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 from typing import Final
 
@@ -22,17 +23,18 @@ REAL: Final = 1e-6  # imaginary part, beside the modulus, of a real one that rou
 TURNED: Final = 0.5  # angle (radians) that a pair may turn by in one step
 
 
-def passing_together(a: Sample, b: Sample, autonomous: bool, types: tuple[str, ...]) -> Together | None:
-    """What all that changes between two orbits is, where it is two or more equal multipliers that pass; else None.
+def passing_together(a: Sample, b: Sample, autonomous: bool, types: tuple[str, ...]) -> Iterator[Together]:
+    """What all that changes between two orbits may be, where it is two or more equal multipliers that pass.
 
+    More than one thing where others, equal too, are on the other side at b: multipliers that pass 1 and zero, say.
     autonomous : the first multiplier is the trivial one.  types : of PD (at -1), NS and BPC (at 1), those asked for.
     """
     moved = abs(b.unstable - a.unstable)
     if moved < 2:
-        return None
+        return
     one, other = (sample.eigenvalues[1:] if autonomous else sample.eigenvalues for sample in (a, b))
     if not (np.isfinite(one).all() and np.isfinite(other).all()):
-        return None
+        return
     for type_ in types:
         count = moved // 2 if type_ == "NS" else moved
         if count < 2 or (type_ == "NS" and moved % 2):
@@ -45,13 +47,18 @@ def passing_together(a: Sample, b: Sample, autonomous: bool, types: tuple[str, .
         if first.real * last.real < 0.0 and max(spread, width) < EQUAL * way and abs((last - first).imag) < TURNED:
             level = partial(_level, type_=type_, count=count, way=(first, last), autonomous=autonomous)
             theta = {"PD": np.pi, "BPC": 0.0}.get(type_, float(0.5 * (first + last).imag))
-            return Together(type_, count, theta, level, OF_ORBITS[type_].format(count=count))
-    return None
+            yield Together(type_, count, theta, level, OF_ORBITS[type_].format(count=count))
 
 
 def is_repeated(values: Vector, pair: complex) -> bool:
     """True where a pair of multipliers is there more than once, to rounding."""
     return int(np.sum(np.abs(values - pair) <= REAL * abs(pair))) > 1
+
+
+def repeated(values: Vector, target: complex) -> int:
+    """How many multipliers are the one nearest to a target, to rounding; at least 1."""
+    nearest = values[np.argmin(np.abs(values - target))]
+    return int(np.sum(np.abs(values - nearest) <= REAL * abs(nearest)))
 
 
 def _of_kind(values: Vector, type_: str) -> Vector:

@@ -32,7 +32,6 @@ MOVED = 1e-4  # part of the parameter's range that the cycles of the size in the
 LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes: it does not move at all
 OWN = 0.05  # a state larger than this part of its size along the equilibria is measured in its size at the Hopf point
 FAR = 0.1  # scaled distance from a Hopf point of several families at which one is told from the others
-MOST = 4  # pairs of eigenvalues at once
 
 ORBITS: Final = Explored(orbits=True, when=lambda problem: problem.kind == "equilibrium" and problem.sliding is None)
 SMALL: Final = Explored(orbits=True, when=lambda problem: dense_problem(problem) is not None)
@@ -49,11 +48,11 @@ def hopf_seeds(equilibria: EquilibriumProblem, point: SpecialPoint, parameter: s
         equilibria = equilibria.with_active(parameter, point.z)
     equilibria = replace(equilibria, system=system_of_orbits(equilibria.system))
     jet, omega = jet_at(equilibria, point.z, point.scale[:-1]), float(point.vectors["omega"])
-    several = patterns(equilibria, point, omega) if 1 < int(point.vectors.get("kernel", 1)) <= MOST else []
-    if not several:
+    if int(point.vectors.get("kernel", 1)) == 1:
         return [_hopf_seed(equilibria, point, hopf_predictor(jet, omega))]
+    several = patterns(equilibria, point, jet, omega)
     seeds = [_hopf_seed(equilibria, point, hopf_predictor(jet, omega, vectors)) for vectors in several]
-    return [through_an_orbit(seed, FAR) for seed in seeds]
+    return seeds if len(seeds) == 1 else [through_an_orbit(seed, FAR) for seed in seeds]
 
 
 def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:

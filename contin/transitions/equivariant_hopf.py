@@ -14,18 +14,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.seed import Seed
 from contin.machine import elementary
+from contin.normalforms.jet import Jet
+from contin.problems.equilibria.critical_actions import critical_actions
 from contin.problems.orbits.linearised.linear import OrbitLinear
-from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equilibrium import EquilibriumProblem
 
-STEP = 1e-6  # of the difference quotient that makes a matrix of a symmetry, relative to the states' sizes
-KEPT = 1e-8  # ... and distance of the equilibrium from its image up to which the symmetry keeps it
 SIMPLE = 1e-3  # distance of two phase factors from which they are two
 SAME = 1e-3  # 1 - cosine up to which two patterns are one
 
@@ -37,16 +35,22 @@ LARGEST = 1500  # unknowns of dense matrices
 Complex = NDArray[np.complex128]
 
 
-def patterns(equilibria: EquilibriumProblem, point: SpecialPoint, omega: float) -> list[tuple[Complex, Complex]]:
-    """(q, p) of every pattern, |q| = 1, <p, q> = 1, one of those that symmetries map onto each other; may be empty."""
-    count = int(point.vectors.get("kernel", 1))
-    sizes = point.scale[:-1]
-    matrix = equilibria.linear_part(point.z) - 1j * omega * np.eye(equilibria.n)
-    left, _, right = np.linalg.svd(matrix * sizes[None, :] / sizes[:, None])
-    basis = sizes[:, None] * right[-count:].conj().T
-    dual = left[:, -count:] / sizes[:, None]
-    dual = dual @ np.linalg.inv(basis.conj().T @ dual)  # dual^H basis = 1
-    actions = [dual.conj().T @ m @ basis for m in _matrices(equilibria, point.z, sizes)]
+def _normalised(q: Complex, p: Complex, product: complex) -> tuple[Complex, Complex]:
+    """(q, p) with |q| = 1, its largest component positive, and <p, M q> = 1 for `product` that they have now."""
+    factor = elementary.exp(-1j * elementary.angle(q[np.argmax(np.abs(q))])) / np.linalg.norm(q)
+    return q * factor, p / np.conj(product * factor)
+
+
+def patterns(
+    equilibria: EquilibriumProblem, point: SpecialPoint, jet: Jet, omega: float
+) -> list[tuple[Complex, Complex]]:
+    """(q, p) of every pattern, |q| = 1, <p, M q> = 1, one of those that symmetries map onto each other.
+
+    Where symmetries tell none apart, one vector of the eigenspace.
+    """
+    count, sizes = int(point.vectors["kernel"]), point.scale[:-1]
+    critical = critical_actions(equilibria, point.z, sizes, jet, omega, count)
+    basis, dual, actions = critical.basis, critical.dual, critical.matrices
     found: list[Complex] = []
     pairs = []
     for action in actions:
@@ -61,11 +65,8 @@ def patterns(equilibria: EquilibriumProblem, point: SpecialPoint, omega: float) 
             if max(cosines, default=0.0) > 1.0 - SAME:
                 continue
             found.append(c)
-            q = basis @ c
-            q *= elementary.exp(-1j * elementary.angle(q[np.argmax(np.abs(q))])) / np.linalg.norm(q)
-            p = dual @ covectors[k].conj()
-            pairs.append((q, p / np.conj(np.vdot(p, q))))
-    return pairs
+            pairs.append(_normalised(basis @ c, dual @ covectors[k].conj(), complex(covectors[k] @ c)))
+    return pairs or [_normalised(basis[:, -1], dual[:, -1], 1.0)]
 
 
 def through_an_orbit(seed: Seed, size: float) -> Seed:
@@ -93,15 +94,3 @@ def through_an_orbit(seed: Seed, size: float) -> Seed:
         return seed
     curvature = 2.0 / elementary.square(size) * ((z - seed.z) / seed.scale - size * seed.direction)
     return replace(seed, curvature=curvature, reach=size)
-
-
-def _matrices(equilibria: EquilibriumProblem, z: Array, sizes: Array) -> list[Array]:
-    """Of the symmetries that keep the equilibrium."""
-    n = len(z) - 1
-    rows = np.vstack([z, z + np.hstack([STEP * np.diag(sizes), np.zeros((n, 1))])])
-    matrices = []
-    for name in symmetry_names(equilibria):
-        images = apply_symmetry(equilibria, name, rows)[:, :-1]
-        if float(np.max(np.abs(images[0] - z[:-1]) / sizes)) < KEPT:
-            matrices.append((images[1:] - images[0]).T / (STEP * sizes[None, :]))
-    return matrices

@@ -36,7 +36,7 @@ class _Noise:
 
         @staticmethod
         def together(a, b):
-            return None
+            return ()
 
     frame = base = None
 

@@ -22,6 +22,8 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 NARROW: Final = 1e-4  # of the step: a bracket whose ends differ by more than rounding, which gives the slope
+STRAIGHT: Final = 0.1  # log|m| up to which its mean is taken as straight in the arclength
+NARROWER: Final = 1e-2  # the next bracket, beside one at whose ends they are farther from the circle
 FARTHER: Final = (1e-3, 1e-2, 0.1, 0.3)  # parts of the way back at which the ends of that bracket are looked for
 LAST: Final = 1e-10  # arclength: of the bracket that is taken for the place
 RESOLVED: Final = 1e3  # times their differences that equal ones are away from the circle at the ends of a bracket
@@ -29,13 +31,22 @@ SAFETY: Final = 2.0  # of a change from one mesh to the next: the finer one has 
 ROUNDING: Final = float(np.finfo(float).eps)
 
 
-def located(stretch: Stretch, a: Sample, b: Sample, together: Together) -> tuple[Sample, Sample, Found | Note]:
-    """The place between a and b where they pass: a bracket of it, and the label or why there is none."""
+def located(stretch: Stretch, a: Sample, b: Sample, together: Together) -> tuple[Sample, Sample, Found | Note] | None:
+    """The place between a and b where they pass: a bracket of it, and the label or why there is none.
+
+    None where their mean jumps over zero: other multipliers pass there than those that are meant.
+    """
 
     def value(sample: Sample) -> float:
         return together.level(sample).mean
 
-    low, high = stretch.zero(value, a, b, NARROW * stretch.distance(a, b))
+    accuracy = NARROW * stretch.distance(a, b)
+    low, high = stretch.zero(value, a, b, accuracy)
+    while accuracy > LAST and not max(abs(value(low)), abs(value(high))) < STRAIGHT:
+        accuracy = max(NARROWER * accuracy, LAST)
+        low, high = stretch.zero(value, low, high, accuracy)
+    if not max(abs(value(low)), abs(value(high))) < STRAIGHT:
+        return None
     crossed = together.type == "BPC"  # by branches, along which the equations of orbits are singular
     if crossed:
         low, high = (_on_one_side(stretch, (a, b), *pair, together) for pair in ((low, a), (high, b)))

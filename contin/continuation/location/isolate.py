@@ -48,7 +48,6 @@ from contin.continuation.location.sameness import same_point
 from contin.continuation.outcome import NOTHING, Jump, Nothing, Outcome, Rejected, Verified, unverified
 from contin.continuation.problem import in_two_parameters
 from contin.continuation.sample import Sample, opposite
-from contin.continuation.together import Together
 from contin.linalg.vectors import norm
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
@@ -88,9 +87,12 @@ def isolate(
             yield _lost(stretch, a)
             return
     width = stretch.distance(a, b)
-    equal = stretch.problem.together(a, b) if width > COINCIDENT and depth < DEPTH else None
+    equal = _equal(stretch, a, b) if width > COINCIDENT and depth < DEPTH else None
     if equal is not None:
-        yield from _equal(stretch, a, b, equal, depth, beside)
+        low, high, item = equal
+        yield from isolate(stretch, a, low, depth + 1, beside)
+        yield item
+        yield from isolate(stretch, high, b, depth + 1, beside)
         return
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
@@ -123,14 +125,10 @@ def isolate(
     yield from _halves(stretch, a, b, depth, beside)
 
 
-def _equal(
-    stretch: Stretch, a: Sample, b: Sample, equal: Together, depth: int, beside: tuple[Verified, ...]
-) -> Iterator[Found | Note]:
-    """Multipliers that pass together, and the rest of the step on both sides of them."""
-    low, high, item = located(stretch, a, b, equal)
-    yield from isolate(stretch, a, low, depth + 1, beside)
-    yield item
-    yield from isolate(stretch, high, b, depth + 1, beside)
+def _equal(stretch: Stretch, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | Note] | None:
+    """Multipliers that pass together, and a bracket of where; None where none do."""
+    every = (located(stretch, a, b, together) for together in stretch.problem.together(a, b))
+    return next((found for found in every if found is not None), None)
 
 
 def _halves(stretch: Stretch, a: Sample, b: Sample, depth: int, beside: tuple[Verified, ...]) -> Iterator[Found | Note]:

@@ -27,6 +27,7 @@ from contin.problems.algebraic_states import in_own_units, unit_mass, with_units
 from contin.problems.coinciding import SEVERAL_MULTIPLIERS, SEVERAL_PAIRS
 from contin.problems.equilibria.branching import degenerate
 from contin.problems.equilibria.branching.rotated import turning_kernel
+from contin.problems.equilibria.critical_actions import critical_actions
 
 if TYPE_CHECKING:
     from contin.problems.equilibria.equations import AlgebraicEquations
@@ -62,15 +63,19 @@ def with_normal_form(problem: AlgebraicEquations, point: Verified, scale: Array)
     errors = {"errors": stated(form.errors)} if isinstance(form.errors, Later) or form.errors else {}
     described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
     if int(point.vectors.get("kernel", 1)) > 1:
-        described = replace(described, remark=_at_once(problem, point.type) or described.remark)
+        described = replace(described, remark=_at_once(problem, point, scale) or described.remark)
     return degenerate.described(problem, described, scale) if degenerate.is_degenerate(described) else described
 
 
-def _at_once(problem: AlgebraicEquations, type_: str) -> str:
+def _at_once(problem: AlgebraicEquations, point: Verified, scale: Array) -> str:
     """What is not told of several eigenvalues or pairs that cross together; of Hopf points symmetries tell it."""
-    if type_ == "HB":
-        return "" if problem.system.model.symmetries else SEVERAL_PAIRS
-    return SEVERAL_MULTIPLIERS.get(type_, "")
+    if point.type != "HB":
+        return SEVERAL_MULTIPLIERS.get(point.type, "")
+    if not problem.system.model.symmetries:
+        return SEVERAL_PAIRS
+    jet, omega = jet_at(problem, point.z, scale[:-1]), float(point.vectors["omega"])
+    forced = critical_actions(problem, point.z, scale[:-1], jet, omega, int(point.vectors["kernel"])).irreducible
+    return "" if forced else SEVERAL_PAIRS
 
 
 def _normal_form(problem: AlgebraicEquations, point: Verified, metric: Array) -> NormalForm | None:

@@ -7,7 +7,7 @@ sum <U_ref', U - U_ref> = 0 (Doedel), whose reference is the point that a step s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -169,7 +169,7 @@ class LargeOrbitProblem(LargeOrbitEquations):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(a, b)
 
-    def together(self, a: Sample, b: Sample) -> Together | None:
+    def together(self, a: Sample, b: Sample) -> Iterable[Together]:
         return passing_together(a, b, True, ("NS", "PD", "BPC"))
 
     def test_of(self, type_: str) -> int | None:

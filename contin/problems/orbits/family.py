@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
@@ -196,10 +197,10 @@ class FamilyOfOrbits(InOneParameterProblem):
         """True where two orbits agree in period, extent and place, whatever their phases."""
         return alike(one, other, self.winding, self.state_periods)
 
-    def together(self, a: Sample, b: Sample) -> Together | None:
+    def together(self, a: Sample, b: Sample) -> Iterable[Together]:
         """Where the flow is smooth; at 1 declared symmetries tell which families cross (BPC), by bordered equations."""
         if self.system.n_switches:
-            return None
+            return ()
         types = ("NS", "PD") if symmetry_names(self) else ("NS", "PD", "BPC")
         return passing_together(a, b, self.autonomous, types)
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Multipliers = NDArray[np.complex128]
 
+TOGETHER = 1e-7  # distance of eigenvalues at a Hopf point, relative to omega, up to which they cross together
+
 
 def nontrivial(problem: FamilyOfOrbits, values: Multipliers) -> Multipliers:
     """Without the trivial one of an autonomous system, which stands first."""
@@ -24,13 +26,14 @@ def nontrivial(problem: FamilyOfOrbits, values: Multipliers) -> Multipliers:
 
 
 def of_rest(values: Multipliers, omega: float, period: float) -> tuple[int, Multipliers]:
-    """Of a Hopf point with these eigenvalues, as an orbit: how many are unstable beside the pair +-i omega, and
-    multipliers exp(l T), 1 twice first."""
+    """Of a Hopf point with these eigenvalues, as an orbit: how many are unstable beside the pair +-i omega, or several
+    such pairs that cross together, and multipliers exp(l T), 1 twice first."""
     order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
     others = values[order[2:]]
     with np.errstate(over="ignore"):
         multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * period)]).astype(complex)
-    return int(np.sum(others.real > 0.0)), multipliers
+    together = np.minimum(np.abs(others - 1j * omega), np.abs(others + 1j * omega)) <= TOGETHER * omega
+    return int(np.sum((others.real > 0.0) & ~together)), multipliers
 
 
 def critical(type_: str, theta: float) -> tuple[complex, ...]:

@@ -61,19 +61,19 @@ def branch_point(problem: OrbitEquations, point: Verified, solved: SolvedOrbit) 
     together there, where it is above 1 (see `contin.problems.orbits.normal_forms.multiple_branch_point`).
     """
     known: dict[str, Borders] = {}
+    count = kernel_dimension(problem, point.eigenvalues)
     linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
     coarse = _crossings(linear, point, solved, known)
     if not coarse:
         return {}
-    count = kernel_dimension(problem, point.eigenvalues)
     kernel = {"kernel": count} if count > 1 else {}
     for each in coarse:
         broken = halves_alike(problem, solved.z, each.vertical * solved.scale)
         if broken:
             return {"kind": "pitchfork", "breaks": broken[0], **kernel}
     other = solved.finer or solved
-    finer = OrbitLinear(problem, other.z, other.scale, other.z)
-    fine = _crossings(finer, point, other, carried(known, linear, finer))
+    closer = OrbitLinear(problem, other.z, other.scale, other.z)
+    fine = _crossings(closer, point, other, carried(known, linear, closer))
     if len(fine) != len(coarse):
         return {}
     return {**decided(coarse[0], fine[0]), **kernel}

@@ -8,17 +8,19 @@ symmetry keeps: S q = q, where S may shift the time by half a period.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.equal_multipliers import repeated
 from contin.problems.orbits.linearised.bordered import Bordered, Borders, crossing
 from contin.problems.orbits.linearised.linear import OrbitLinear, embed
 from contin.problems.orbits.linearised.multipliers import nontrivial
 from contin.problems.orbits.symmetric.symmetry import moved_direction
-from contin.problems.symmetry import symmetry_names
+from contin.problems.symmetry import every_symmetry
 
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
@@ -33,8 +35,12 @@ Complex = NDArray[np.complex128]
 
 
 def kernel_dimension(problem: OrbitEquations, eigenvalues: Complex) -> int:
-    """Number of multipliers, beside the trivial one, that are 1 at a branch point."""
-    return int(np.sum(np.abs(nontrivial(problem, eigenvalues) - 1.0) < CRITICAL))
+    """Number of multipliers, beside the trivial one, that are 1 at a branch point.
+
+    They may pass so fast that the error of the place leaves them off 1, but alike.
+    """
+    values = nontrivial(problem, eigenvalues)
+    return max(int(np.sum(np.abs(values - 1.0) < CRITICAL)), repeated(values, 1.0) if len(values) else 0)
 
 
 def crossing_tangents(problem: OrbitEquations, z: Array, scale: Array, eigenvalues: Complex) -> list[Array]:
@@ -73,7 +79,7 @@ def planes(
     null = np.linalg.qr(right)[0]
     if count <= 1:
         return [(null, left[:, 0] / np.linalg.norm(left[:, 0]))]
-    actions = [a for name in symmetry_names(linear.problem) for a in _actions(linear, null, name)]
+    actions = _actions(linear, null)
     if not actions:
         return []
     turned = np.linalg.svd(np.vstack([a - np.eye(count + 1) for a in actions]))[2]
@@ -87,26 +93,32 @@ def planes(
     return found
 
 
-def _actions(linear: OrbitLinear, null: Array, name: str) -> list[Array]:
-    """Matrices (k, k) of a symmetry on the null space (N, k), without and with a shift by half a period, where these
-    keep the orbit; they may shift the time a little further, too."""
+def _actions(linear: OrbitLinear, null: Array) -> list[Array]:
+    """Matrices (k, k) of symmetries on the null space (N, k), without and with a shift by half a period, where these
+    keep the orbit; they may shift the time a little further, too.
+
+    A word is its first letter after the rest, an earlier word; itself it is applied where these do not keep the orbit.
+    """
     z, nu = linear.z, linear.nu
     drift = np.append(linear.field.ravel() / linear.units[:nu], [0.0, 0.0])
-    span = np.column_stack([null, drift / np.linalg.norm(drift)])
-    found = []
-    for fraction in (0.0, 0.5):
-        columns = []
-        for column in null.T:
-            direction = np.zeros(z.size)
-            direction[linear.unknowns] = column * linear.units
-            image = moved_direction(linear.problem, z, direction, name, fraction)
-            if image is None:
-                break
-            moved = np.append(image.ravel() / linear.units[:nu], column[nu:])
-            columns.append(np.linalg.lstsq(span, moved, rcond=None)[0][:-1])
-        else:
-            found.append(np.column_stack(columns))
-    return found
+    onto = np.linalg.pinv(np.column_stack([null, drift / np.linalg.norm(drift)]))
+    directions = np.zeros((null.shape[1], z.size))
+    directions[:, linear.unknowns] = null.T * linear.units
+    found: dict[str, dict[float, Array]] = {}
+    for word in every_symmetry(linear.problem):
+        first, _, rest = word.partition("*")
+        pairs = product(found.get(first, {}).items(), found.get(rest, {}).items())
+        found[word] = {(f + g) % 1.0: a @ b for (f, a), (g, b) in pairs}
+        for fraction in () if found[word] else (0.0, 0.5):
+            images = [moved_direction(linear.problem, z, direction, word, fraction) for direction in directions]
+            columns = [
+                (onto @ np.append(image.ravel() / linear.units[:nu], column[nu:]))[:-1]
+                for image, column in zip(images, null.T, strict=True)
+                if image is not None
+            ]
+            if len(columns) == len(images):
+                found[word][fraction] = np.column_stack(columns)
+    return [matrix for matrices in found.values() for matrix in matrices.values()]
 
 
 def _kept(actions: list[Array]) -> list[Array]:

@@ -28,6 +28,7 @@ from contin.problems.orbits.special_orbits.held_parameter import HeldCurve
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
+LEFT: Final = 4.0  # of the next step, all of it rounding but at several multipliers 1, where steps halve the error
 NEWTON: Final = Rules(settled=1e-13, stalled=1e-7, far=1e2, budget=48)  # at two multipliers 1 each halves the error
 PERTURBATION: Final = 1e-10
 SAMPLES: Final = 2
@@ -158,4 +159,5 @@ def _measured(
         shift[-1] = shift[-2]
         back = curve.step(x + metric * shift, metric)
         scatter = max(scatter, np.inf if back is None else abs(float(shift[-1] + back.step[-1])))
-    return SolvedOrbit(z, curve.theta(x), residual, SCATTERED * scatter * float(scale[-1]), right, scale)
+    error = SCATTERED * scatter + LEFT * abs(float(found.step[-1]))
+    return SolvedOrbit(z, curve.theta(x), residual, error * float(scale[-1]), right, scale)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.outcome import NOTHING, Outcome, Rejected, Verified, unverified
+from contin.continuation.outcome import NOTHING, Outcome, Rejected, unverified
 from contin.continuation.sample import Frame, Sample, opposite
 from contin.machine import elementary
 from contin.problems.equal_multipliers import is_repeated
@@ -23,11 +23,10 @@ from contin.problems.orbits.ends.vertical import (
 )
 from contin.problems.orbits.linearised.bordered import Bordered
 from contin.problems.orbits.linearised.linear import SINGULAR, OrbitLinear
-from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial, without
+from contin.problems.orbits.linearised.multipliers import critical, distance, nontrivial
 from contin.problems.orbits.linearised.resolved_multipliers import is_planar
-from contin.problems.orbits.normal_forms.normal_form import normal_form
 from contin.problems.orbits.special_orbits.defining import flat_fold, is_told_by_equations, solve_special
-from contin.problems.orbits.special_orbits.sensitivity import error_of_equations
+from contin.problems.orbits.special_orbits.label import UNCLEAR, label
 from contin.problems.orbits.symmetric.symmetry import symmetry_of
 from contin.problems.tolerances import RESIDUAL_LIMIT_OF_LARGE
 from contin.special.table import of_cycle
@@ -35,8 +34,6 @@ from contin.special.table import of_cycle
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
 
-CANCELLED = 64.0  # rounding errors of the range: what terms of the equations that cancel leave, the same in all samples
-UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at which an event is not labelled
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
 CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
 FLAT = 1e-5  # |dp/ds| below which its sign may be due to the discretisation
@@ -145,18 +142,7 @@ def verify(problem: OrbitEquations, type_: str, near: Sample, frame: Frame) -> O
             f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to "
             "its error"
         )
-    values = problem.multipliers(solved.z)
-    gap = distance(nontrivial(problem, values), critical(type_, solved.theta))
-    if not gap < UNCLEAR:
-        return Rejected(f"{type_} not labelled: the multipliers are not resolved there")
-    others = without(nontrivial(problem, values), critical(type_, solved.theta))
-    rounding = np.finfo(float).eps * (abs(float(solved.z[-1])) + CANCELLED * width)
-    error = solved.error + rounding + error_of_equations(problem, type_, solved.z, solved.scale, solved.theta)
-    point = Verified(
-        type_, solved.z, solved.residual, error, values, int(np.sum(np.abs(others) > 1.0)),
-        vectors={"right": solved.right, "theta": solved.theta},
-    )  # fmt: skip
-    return normal_form(problem, point, solved, by_equations)
+    return label(problem, type_, solved, width, by_equations)
 
 
 def _orientable(problem: OrbitEquations, z: Array) -> bool:

@@ -15,8 +15,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.location.halting import HALF_PERIOD
 from contin.problems.orbits.mesh.layout import Profile
-from contin.problems.symmetry import symmetry_names
-from contin.problems.symmetry_group import moved
+from contin.problems.symmetry import every_symmetry, symmetry_names
+from contin.problems.symmetry_group import cut_off, moved
 
 if TYPE_CHECKING:
     from contin.problems.orbits.orbit_equations import OrbitEquations
@@ -59,6 +59,22 @@ def symmetry_of(problem: OrbitEquations, z: Array) -> tuple[str, float] | None:
             if _apart(problem, states_moved(problem, name, shifted(problem, profile, fraction), p), profile) < ALIKE:
                 return name, fraction
     return None
+
+
+def symmetrised(problem: OrbitEquations, z: Array) -> Array:
+    """z with the mean of its images under the symmetries that keep every point of the orbit, to what they map it by.
+
+    Where symmetry makes several multipliers 1 Newton's method finds an orbit off their fixed space by the root of its
+    residual. As it is, where the group is not known as a whole.
+    """
+    if cut_off(problem.system):
+        return z
+    profile, p = problem.profile(z), problem.full_parameters(z)
+    images = (states_moved(problem, name, profile.u, p) for name in every_symmetry(problem))
+    away = [_difference(problem, image, profile) for image in images]
+    size = ALIKE * max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
+    kept = [d for d in away if float(np.abs(d).max()) < size]
+    return replace(profile, u=profile.u + sum(kept) / (len(kept) + 1)).vector() if kept else z
 
 
 def halves_alike(problem: OrbitEquations, z: Array, direction: Array) -> tuple[str, ...]:
@@ -113,8 +129,13 @@ def _states_of(problem: OrbitEquations, z: Array, direction: Array) -> Array:
 
 def _apart(problem: OrbitEquations, u: Array, profile: Profile) -> float:
     """Distance of states at the nodes from the orbit's, relative to its extent; whole turns of angles do not count."""
+    difference = _difference(problem, u, profile)
+    return float(np.abs(difference).max()) / max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
+
+
+def _difference(problem: OrbitEquations, u: Array, profile: Profile) -> Array:
+    """States at the nodes less the orbit's, without whole turns of angles."""
     difference = u - profile.u
     periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
     turns = np.where(periods > 0.0, np.mean(difference, axis=0) / np.where(periods > 0.0, periods, 1.0), 0.0)
-    difference = difference - np.round(turns) * periods
-    return float(np.abs(difference).max()) / max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
+    return np.asarray(difference - np.round(turns) * periods)
