@@ -59,33 +59,44 @@ FAST = """
 """.split()
 SLOW = """
     continuation/test_frames.py continuation/test_planted_extrema.py kernels/test_lean.py kernels/test_library.py
-    loci/equilibria/test_invariance.py loci/equilibria/test_normal_forms.py loci/equilibria/test_published.py
-    lowering/test_alike.py machine/test_no_libm.py model/test_fuzz.py model/test_kept.py model/test_printing.py
+    loci/equilibria/test_invariance.py loci/equilibria/test_kernels_of_two_dimensions.py
+    loci/equilibria/test_normal_forms.py loci/equilibria/test_poles_of_maps.py loci/equilibria/test_published.py
+    lowering/test_alike.py machine/test_no_libm.py machine/test_one_thread.py machine/test_threads.py
+    model/test_fuzz.py model/test_kept.py model/test_printing.py
     normalforms/test_multiple.py normalforms/test_two_modes.py problems/equilibria/test_labels.py
     simulate/test_scan.py symbolic/test_averages_near_zero.py symbolic/test_averaging_one.py
     symbolic/test_averaging_several.py symbolic/test_derivation.py symbolic/test_derived.py symbolic/test_reach.py
     symbolic/test_remove_singularities.py symbolic/test_second_order.py symbolic/test_second_order_beside.py
-    systems/functions/test_foreign_arrays.py systems/functions/test_processes.py systems/functions/test_trials.py
+    systems/functions/test_few_states.py systems/functions/test_foreign_arrays.py systems/functions/test_grain.py
+    systems/functions/test_processes.py systems/functions/test_trials.py
 """.split()
 # above a third of a second, in files whose other tests are quick
 SLOW_TESTS = """
     continuation/test_decisions.py::test_rows_of_a_curve_of_folds_are_decided_by_the_rules
     continuation/test_extrema.py::test_a_parameter_that_is_constant_along_a_curve_turns_nowhere
     continuation/test_extrema.py::test_extrema_at_the_start
+    continuation/test_needles_told.py::test_the_top_of_a_wide_needle_is_one_branch_point
+    continuation/test_refined.py::test_problems_on_meshes_and_of_trajectories_are_refined
     continuation/test_rounding_in_products.py::test_period_doublings_are_found_and_what_rounding_hides_is_told
     continuation/test_user_values.py::test_user_values_in_every_step_leave_the_bifurcations_as_they_are
     kernels/test_vector.py::test_rows_times_factors_and_products_with_a_vector
     model/test_bundled.py::test_co_oxidation_has_its_folds_and_hopf_points_where_the_determinants_vanish
     model/test_messages.py::test_thousands_of_definitions_in_a_chain_are_no_problem
     model/test_parser.py::test_ten_thousand_terms_and_factors_are_read_in_linear_time
+    model/test_graph_text.py::test_formulas_are_read_back_as_the_identical_nodes
+    model/test_registry.py::test_listing_and_other_models_do_not_import_a_plugin
+    model/test_registry.py::test_listing_has_names_titles_and_origin
     model/test_registry.py::test_a_plugin_may_give_a_folder_a_model_a_function_or_a_module
     model/test_registry.py::test_plugins_can_be_switched_off
     normalforms/test_entry.py::test_compiled_jet_places_the_active_parameters
     normalforms/test_maps.py::test_coefficient_of_the_delayed_logistic_map_is_the_measured_decay_of_its_orbits
     normalforms/test_resonant.py::test_a_third_multiplier_of_one_leaves_a_strong_resonance_without_coefficients
+    problems/maps/test_maps.py::test_the_cascade_of_the_logistic_map_is_followed_to_period_64
+    problems/maps/test_maps.py::test_the_explorer_follows_the_cascade_to_period_64_and_each_cycle_once
     problems/orbits/test_ends.py::test_a_family_that_shrinks_onto_a_doubly_degenerate_equilibrium_ends_there
     problems/orbits/test_ends.py::test_subharmonic_orbits_turn_round_at_their_branch_points_without_a_fold
     simulate/test_crossings.py::test_the_command_and_run_files_write_the_section
+    simulate/test_extrema.py::test_extremes_of_a_relaxation_oscillation_are_those_of_its_spikes_and_not_of_the_samples
     simulate/test_flight.py::test_memory_does_not_grow_with_the_time
     simulate/test_run.py::test_stiff_relaxation_has_the_period_of_its_singular_limit
     store/test_sqlite.py::test_netcdf_groups_hold_the_columns
