@@ -31,6 +31,9 @@ HEIGHT: Final = "height"
 RESOLVED: Final = 1e-7  # of its size: the error of a `when` as a state
 PARTS: Final = 64  # of the time, where no event says how long it takes to the next
 AT_ONCE: Final = 1e-12  # relative: events at the same time
+CLOCKS: Final = 8  # in succession, each for what the one before it could not tell
+TRIED: Final = 100_000  # steps of one
+STEEPER: Final = 1e3  # times its mean slope since the last jump: a `when` that is steeper on landing is in a spike
 CHAIN: Final = 100  # events that fire each other without time between
 RUN: Final = 8  # intervals that shrink in succession:
 NEAR: Final = 1e-6  # events accumulate where the rest is this part of the first
@@ -107,23 +110,27 @@ def fly_with_events(
     boxes = np.append(np.full(u.size, box), np.full(1 + count, np.inf))
     flow = _WithClock(model, system, p, rtol, errors, boxes)
     y, t, length = np.append(u, np.zeros(1 + count)), 0.0, duration / PARTS
-    sides = _first_sides(flow, y)
+    sides, reach = _first_sides(flow, y), np.zeros(count)
     kept_t, kept_u, steps, crossed = [times[:0]], [np.empty((0, y.size))], 0, 0
     jumps: list[Jump] = []
     why = ""
     while True:
         end = duration if t + length >= duration * (1.0 - AT_ONCE) else t + length
         y[u.size :] = flow.begun(y, t, length)
+        reach = np.maximum(reach, np.abs(y[u.size + 1 :]))
         wanted = times[(times > t if t > 0.0 else times >= 0.0) & (times <= end)]
         flight = flow.fly(y, t, end, wanted, max(budget - steps, 1))
         if flight.crossed > CROSSINGS:
             length *= 0.5  # not all crossings are known
             continue
+        before = sides
         when, fired, sides, why = _next_event(flow, flight, y, t, sides)
         if fired:
             flight = _cut(flow, flight, y, t, when, wanted)
-            if is_last := when >= duration * (1.0 - AT_ONCE):  # no time is left beyond it but rounding
-                flight = _up_to_the_end(flight, wanted)
+        elif not why and flight.outcome == STOPPED and not system.is_forced:
+            flight, fired, sides = _within_rounding(flow, flight, before)
+        if is_last := bool(fired) and flight.end_time >= duration * (1.0 - AT_ONCE):  # no time is left but rounding
+            flight = _up_to_the_end(flight, wanted)
         kept_t.append(flight.t)
         kept_u.append(flight.u)
         steps, crossed = steps + flight.steps, crossed + flight.crossed
@@ -134,7 +141,7 @@ def fly_with_events(
             length = min(2.0 * length, duration / PARTS)
             continue
         begun = jumps[-1].time if jumps else 0.0
-        happened, y, sides, why = _jumped(flow, y, t, fired, t - begun)
+        happened, y, sides, why = _jumped(flow, y, t, fired, t - begun, reach)
         jumps += happened
         why = why or _accumulation(jumps)
         if why or steps >= budget or is_last:
@@ -227,6 +234,28 @@ def _cut(flow: _WithClock, flight: Flight, y: Array, t: float, when: float, want
     )  # fmt: skip
 
 
+def _within_rounding(flow: _WithClock, flight: Flight, sides: _Sides) -> tuple[Flight, tuple[int, ...], _Sides]:
+    """Of a flight that stopped: up to the event that comes at its last time to rounding, if one does.
+
+    A spike that grows like exp(v) crosses its surface in less time than a clock that runs for long can tell: from its
+    last state it is integrated on with a clock of its own.
+    """
+    y, n, none = flight.end.copy(), len(flow.model.states), np.empty(0)
+    span, steps, end = AT_ONCE * flight.end_time, flight.steps, flight.end_time
+    for _ in range(CLOCKS):
+        y[n:] = flow.begun(y, 0.0, span)
+        rest = flow.fly(y, 0.0, span, none, TRIED)
+        when, fired, after, _ = _next_event(flow, rest, y, 0.0, sides)
+        if fired:
+            rest = _cut(flow, rest, y, 0.0, when, none)
+        steps, end, y = steps + rest.steps, end + rest.end_time, rest.end.copy()
+        if fired:
+            return replace(flight, end=y, end_time=end, steps=steps, outcome=DONE, why=""), fired, after
+        if rest.outcome != STOPPED or not np.isfinite(y).all():
+            break
+    return flight, (), sides
+
+
 def _up_to_the_end(flight: Flight, wanted: Array) -> Flight:
     """With the wanted times that are later by rounding alone."""
     late = wanted[len(flight.t) :]
@@ -235,9 +264,12 @@ def _up_to_the_end(flight: Flight, wanted: Array) -> Flight:
 
 
 def _jumped(
-    flow: _WithClock, y: Array, t: float, fired: tuple[int, ...], interval: float
+    flow: _WithClock, y: Array, t: float, fired: tuple[int, ...], interval: float, reach: Array
 ) -> tuple[list[Jump], Array, _Sides, str]:
-    """The jumps at t, the state after them, the sides there, and why it cannot go on."""
+    """The jumps at t, the state after them, the sides there, and why it cannot go on.
+
+    interval : since the last jump.  reach : the largest |when| that were looked at.
+    """
     n, at = len(flow.model.states), np.array([t])
     landed, slope = (a[0] for a in flow.seen(y[None, :], at))
     jumps: list[Jump] = []
@@ -251,7 +283,7 @@ def _jumped(
         if not np.isfinite(y).all():
             return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), "a jump leads to no finite state"
         when, last = (a[0] for a in flow.seen(y[None, :], at))
-        small = _rounding(landed, slope, interval, t)
+        small = _rounding(landed, slope, interval, t, reach)
         carried = [
             k for k, e in enumerate(flow.events)
             if k not in fired and abs(when[k]) > small[k] and abs(before[k]) > small[k]
@@ -261,7 +293,7 @@ def _jumped(
         ever |= set(fired)
         if len(jumps) > CHAIN:
             return jumps, y, _Sides(np.sign(when), np.full(when.size, -1.0)), "events fire each other without end"
-    small = _rounding(landed, slope, interval, t)
+    small = _rounding(landed, slope, interval, t, reach)
     on = np.array([k in ever and abs(before[k]) <= small[k] for k in range(before.size)])
     if bool((on & (np.abs(last) <= AT_ONCE * np.abs(slope))).any()):
         k = int(np.flatnonzero(on & (np.abs(last) <= AT_ONCE * np.abs(slope)))[0])
@@ -272,11 +304,14 @@ def _jumped(
     return jumps, y, _Sides(np.where(on, np.sign(last), np.sign(before)), np.where(on, leave, -1.0)), ""
 
 
-def _rounding(landed: Array, slope: Array, interval: float, t: float) -> Array:
-    """How near zero `when` is on its surface after landing there, to what the time t since the last jump resolves."""
+def _rounding(landed: Array, slope: Array, interval: float, t: float, reach: Array) -> Array:
+    """How near zero `when` is on its surface after landing there, to what the time t since the last jump resolves.
+
+    It moves by about `reach` in this time: in a spike's last moment its slope says nothing of that.
+    """
     near = max(1e-9 * interval, 8.0 * float(np.spacing(t)))
-    return np.asarray(10.0 * np.abs(np.where(np.abs(landed) < near * np.abs(slope), landed, 0.0))
-                      + AT_ONCE * np.abs(slope) * interval)  # fmt: skip
+    moved = np.minimum(np.abs(slope) * interval, np.where(reach > 0.0, STEEPER * reach, np.inf))
+    return np.asarray(10.0 * np.abs(np.where(np.abs(landed) < near * np.abs(slope), landed, 0.0)) + AT_ONCE * moved)
 
 
 def _after(flow: _WithClock, y: Array, t: float, fired: tuple[int, ...]) -> Array | str:

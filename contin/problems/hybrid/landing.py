@@ -15,8 +15,8 @@ import numpy as np
 from contin.abi import Array
 from contin.machine import elementary
 from contin.simulate.between_samples import resolving
-from contin.simulate.flight import DONE, Flight, fly
-from contin.simulate.resets import SENSES
+from contin.simulate.flight import DONE, STOPPED, Flight, fly
+from contin.simulate.resets import CLOCKS, SENSES
 from contin.simulate.section import Section
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ ON_SURFACE: Final = 0.02  # part of that time within which a solution that start
 AT_ONCE: Final = 1e-9  # ... and one that starts on it
 NEAR: Final = 0.5  # of the change of h between samples: an extremum that near zero is looked at
 TOWARDS_END: Final = np.ldexp(1.0, -np.arange(1, 5))  # parts of what is left to a solution's end, ...
-NEARER: Final = 12  # ... so many times: from 16 times nearer it is integrated anew
+NEARER: Final = 24  # ... so many times: from 16 times nearer it is integrated anew
 ROUNDS: Final = 60
 
 
@@ -111,15 +111,32 @@ def _on_plane(
         return None
     ends: list[float] = [0.0]
     flight = _fly(flow, u, p, sizes, np.array([patience]), ends, plane)
-    met = float(flight.events[0, 0]) if len(flight.events) else 0.0
-    if not met > leave:
+    end = flight.end_time
+    met = end if len(flight.events) else _within_rounding(flow, flight, p, sizes, plane)
+    if met is None or not end > leave:
         return None
-    times = resolving(np.linspace(leave, met, SAMPLES + 1), np.unique(ends), IN_A_STEP)[:-1]
+    times = resolving(np.linspace(leave, end, SAMPLES + 1), np.unique(ends), IN_A_STEP)[:-1]
     flight = _fly(flow, u, p, sizes, times)
     if len(flight.t) < len(times):
         return None
     found = _first(Path(flow, k, p, sizes, times, flight.u, flow.heights(k, flight.u, p)))
     return met if found is None else None
+
+
+def _within_rounding(flow: HybridFlow, flight: Flight, p: Array, sizes: Array, plane: Section) -> float | None:
+    """When a solution that stopped meets the plane, where it does so at its last time to rounding; else None.
+
+    A spike crosses its surface in less time than a clock that runs for long can tell: it gets a clock of its own.
+    """
+    time, span = flight.end_time, np.array([ACCURACY * flight.end_time])
+    for _ in range(CLOCKS):
+        if flight.outcome != STOPPED or not np.isfinite(flight.end).all():
+            return None
+        flight = _fly(flow, flight.end, p, sizes, span, None, plane)
+        time += flight.end_time
+        if len(flight.events):
+            return time
+    return None
 
 
 def _towards_end(flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, left: float) -> tuple[Array, Array]:

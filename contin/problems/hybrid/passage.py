@@ -14,19 +14,16 @@ saltation matrices are S = Dg + (f_+ - Dg f_-) grad h^T / (grad h . f_-) (Leine 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
-from contin.problems.hybrid.landing import ACCURACY, BUDGET, SMALLER, first_landing
-from contin.simulate.flight import DONE, fly
+from contin.problems.hybrid.landed import landed_after
+from contin.problems.hybrid.landing import ACCURACY, first_landing
 
 if TYPE_CHECKING:
     from contin.problems.hybrid.flow import HybridFlow
-
-POLISHED: Final = 1e-5  # of the time of an arc: the landing is that near
-EARLIER: Final = (1e-6, 1e-4, 1e-2)  # ... and that much before it, in turn, what is left is flown anew
 
 
 @dataclass(frozen=True)
@@ -102,9 +99,7 @@ def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accur
     time = first_landing(flow, arc.event, u, p, sizes, arc.length, arc.patience, leaves=arc.leaves)
     if time is None:
         return None
-    landed = _landed(flow, arc.event, u, p, sizes, accuracy, time)
-    if landed is None:  # next to a singularity, as at the top of a spike: what it is to restart there decides
-        landed = _landed_late(flow, arc, u, p, sizes, accuracy, time)
+    landed = landed_after(flow, arc.event, u, p, sizes, accuracy, time, arc.patience)
     if landed is None:
         return None
     time, before, change, rate = landed
@@ -114,61 +109,3 @@ def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accur
         change = jump[:, :n] @ change
         change[:, n:] += jump[:, n:]
     return None if not np.isfinite(after).all() else Flown(arc, u, time, before, after, rate, change)
-
-
-def _flow(
-    flow: HybridFlow, u: Array, p: Array, sizes: Array, accuracy: float, time: float
-) -> tuple[Array, Array] | None:  # fmt: skip
-    """The state after some time, and its derivatives (n, n + m) by the first state and the parameters."""
-    n, m = flow.n, flow.m
-    columns = np.concatenate([np.full(n, -1), n + np.arange(m)])
-    flight = fly(
-        flow.system, u, p, time, variations=np.eye(n, n + m), columns=columns, rtol=accuracy,
-        atol=SMALLER * accuracy * sizes, budget=BUDGET,
-    )  # fmt: skip
-    if flight.outcome != DONE or not np.isfinite(flight.end).all():
-        return None
-    return flight.end[:n], flight.variations
-
-
-def _landed(
-    flow: HybridFlow, event: int, u: Array, p: Array, sizes: Array, accuracy: float, time: float
-) -> tuple[float, Array, Array, float] | None:  # fmt: skip
-    """Exact time, state on the surface, its derivatives and the rate of h there; None where it is not near."""
-    n, found = flow.n, _flow(flow, u, p, sizes, accuracy, time)
-    if found is None:
-        return None
-    before, change = found
-    surface, field = flow.surface(event, before, p), flow.system.value(before, p)
-    late = -surface.value / surface.rate if surface.rate != 0.0 else np.nan
-    if not abs(late) < POLISHED * time:
-        return None
-    gradient = surface.gradient
-    by_time = -(gradient[:n] @ change + np.append(np.zeros(n), gradient[n:])) / surface.rate
-    return time + late, before + late * field, change + np.outer(field, by_time), surface.rate
-
-
-def _landed_late(
-    flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array, accuracy: float, time: float
-) -> tuple[float, Array, Array, float] | None:  # fmt: skip
-    """`_landed` in two flights, the second from shortly before the surface.
-
-    Where a solution escapes to infinity just beyond, two integrations differ by more than the time between: neither
-    arrives where the other one does.
-    """
-    n = flow.n
-    for part in EARLIER:
-        early = part * time
-        first = _flow(flow, u, p, sizes, accuracy, time - early)
-        if first is None:
-            continue
-        left = first_landing(flow, arc.event, first[0], p, sizes, early, arc.patience, leaves=False)
-        if left is None:
-            continue
-        last = _landed(flow, arc.event, first[0], p, sizes, accuracy, left)
-        if last is None:
-            continue
-        change = last[2][:, :n] @ first[1]
-        change[:, n:] += last[2][:, n:]
-        return time - early + last[0], last[1], change, last[3]
-    return None

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
+from contin.problems.hybrid.landed import POLISHED
 from contin.problems.hybrid.landing import BUDGET, SMALLER
-from contin.problems.hybrid.passage import POLISHED
 from contin.simulate.between_samples import DENSE, ends_of_steps, in_parts, resolving
 from contin.simulate.extrema import extremes_between
 from contin.simulate.flight import fly

@@ -171,3 +171,23 @@ def test_an_arc_that_begins_on_its_surface_leaves_it():
     branch = contin.continuation(orbit, "w", (0.01, 2.0))
     assert [end.reason for end in branch.ends] == ["bound", "bound"]
     np.testing.assert_allclose(branch.columns["period"], 4.0 * branch.columns["w"], rtol=1e-10)
+
+
+def test_spikes_steeper_than_their_clock_can_tell_are_simulated_and_followed():
+    """v' = I + exp(v) from -10 to 60, where v' is 1e26: (10 + log(I + exp(-10)))/I to rounding; u' = -0.1 u + v/10.
+
+    u gains Int v dt by the spike; its last moment counts for nothing. The peak is on its surface, not below it.
+    """
+    model = contin.Model(
+        "steep", states={"v": -10, "u": 1}, parameters={"I": 1.0},
+        equations={"v": "I + exp(v)", "u": "-0.1*u"}, events=[{"when": "v - 60", "set": {"v": "-10", "u": "u + 1"}}],
+    )  # fmt: skip
+    period = lambda current: (10.0 + np.log(current + np.exp(-10.0))) / current  # noqa: E731
+    trajectory = contin.simulate(model, time=300.0)
+    times = np.array([jump.time for jump in trajectory.jumps])
+    np.testing.assert_allclose(times, period(1.0) * np.arange(1, len(times) + 1), rtol=1e-9)
+    assert len(times) == 29
+    branch = contin.continuation(contin.periodic_orbit(model), "I", (0.5, 1.5))
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    np.testing.assert_allclose(branch.columns["period"], period(branch.columns["I"]), rtol=1e-11)
+    np.testing.assert_allclose(branch.columns["v.max"], 60.0, rtol=1e-12)
