@@ -18,6 +18,7 @@ from contin.continuation.branch import End
 from contin.continuation.sample import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.machine import elementary
+from contin.problems.hybrid.boundary_end import boundary_equilibrium_end
 from contin.problems.hybrid.closing import TANGENT, closes, usual_rate
 from contin.problems.hybrid.homoclinic_end import homoclinic_end
 from contin.problems.hybrid.landing import first_landing
@@ -218,6 +219,9 @@ def _lost_event(problem: CycleOfEvents, z: Array, before: Array) -> End | None:
     if found is None:
         return None
     k, ahead, most = found
+    rest = boundary_equilibrium_end(problem, z, before, k)
+    if rest is not None:
+        return rest
     at = float(z[-1] + ahead * (z[-1] - before[-1]))
     return _leaving(problem, k, f"{name} = {at:.8g}", {name: at}, most * abs(float(z[-1] - before[-1])))
 

@@ -191,3 +191,17 @@ def test_spikes_steeper_than_their_clock_can_tell_are_simulated_and_followed():
     assert [end.reason for end in branch.ends] == ["bound", "bound"]
     np.testing.assert_allclose(branch.columns["period"], period(branch.columns["I"]), rtol=1e-11)
     np.testing.assert_allclose(branch.columns["v.max"], 60.0, rtol=1e-12)
+
+
+def test_firing_stops_where_the_rest_is_on_the_threshold():
+    """v' = I - v from 0 to 1 takes log(I/(I - 1)): without bound at I = 1, where v = 1 is at rest, and so is u = 0."""
+    model = contin.Model(
+        "leaky", states={"v": 0, "u": 1}, parameters={"I": 2.0},
+        equations={"v": "I - v", "u": "-3*u"}, events=[{"when": "v - 1", "set": {"v": "0", "u": "u + 1"}}],
+    )  # fmt: skip
+    branch = contin.continuation(contin.periodic_orbit(model), "I", (0.5, 2.5))
+    end = branch.ends[0]
+    assert end.reason == "surface"
+    assert abs(end.data["at"]["I"] - 1.0) <= end.data["error"] < 1e-12
+    assert "v = 1, u = 0" in end.text
+    assert not branch.notes
