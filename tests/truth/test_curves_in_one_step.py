@@ -8,6 +8,7 @@ import pytest
 
 import contin
 from contin.continuation import trace
+from contin.continuation.sentence import Sentence
 from contin.model.model import Model
 
 SPACINGS = (1e-1, 1e-2, 3e-3, 1e-3, 1e-4)
@@ -54,7 +55,8 @@ def test_three_bautin_points_are_three_labels(e):
 def test_a_note_on_a_curve_does_not_silence_a_missing_label(monkeypatch):
     """Only what holds all along a curve (eigenvalues that stay critical) explains changes without labels."""
     depart = trace.depart
-    monkeypatch.setattr(trace, "depart", lambda *given: replace(depart(*given), notes=("something was not told",)))
+    notes = (Sentence("something was not told"),)
+    monkeypatch.setattr(trace, "depart", lambda *given: replace(depart(*given), notes=notes))
     monkeypatch.setattr(trace, "unexplained", lambda *given: [1])
     curve = hopf_points(0.1)
     assert "something was not told" in curve.notes
