@@ -38,7 +38,7 @@ def with_copies(linear: Inverse, n: int, found: Spectrum, reach: float) -> Spect
         if x is None:
             break
         if images is None:
-            images = np.array([linear.solve(v) for v in basis])
+            images = np.array([linear.solve(v) for v in basis]).reshape(len(basis), n)  # there may be none
         fresh = orthonormal(x, basis)
         if not len(fresh):
             break

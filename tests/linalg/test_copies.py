@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from contin.linalg.copies import _split
+from contin.linalg.copies import _split, with_copies
+from contin.linalg.eigen import Spectrum
 
 
 def test_a_double_eigenvalue_that_rounding_made_a_pair_keeps_both_its_vectors():
@@ -22,3 +23,26 @@ def test_a_pair_is_left_as_it_is_where_it_is_one():
     found = _split(values, vectors, True, 1e-16)
     np.testing.assert_array_equal(found.values, values)
     np.testing.assert_array_equal(found.vectors, vectors)
+
+
+class Diagonal:
+    """diag(d), as Arnoldi's method takes it."""
+
+    def __init__(self, d):
+        self.d = d
+
+    def solve(self, right, tolerance=0.0):
+        return right / self.d
+
+    def weigh(self, x):
+        return x
+
+    def magnitude(self, x):
+        return np.abs(self.d) * np.abs(x)
+
+
+def test_where_no_eigenvalue_was_found_all_near_zero_are_looked_for():
+    """Nothing is projected out at first: 0.5 three times, and 3."""
+    none = Spectrum(np.empty(0, complex), np.empty((6, 0), complex), False)
+    found = with_copies(Diagonal(np.array([0.5, 0.5, 0.5, 3.0, 4.0, 5.0])), 6, none, 1.0)
+    np.testing.assert_allclose(np.sort(found.values.real)[:3], 0.5, rtol=1e-12)
