@@ -58,15 +58,17 @@ FAST = """
     cli/test_bad_input.py special
 """.split()
 SLOW = """
-    continuation/test_frames.py continuation/test_planted_extrema.py kernels/test_lean.py kernels/test_library.py
-    loci/equilibria/test_invariance.py loci/equilibria/test_kernels_of_two_dimensions.py
-    loci/equilibria/test_normal_forms.py loci/equilibria/test_poles_of_maps.py loci/equilibria/test_published.py
-    lowering/test_alike.py machine/test_no_libm.py machine/test_one_thread.py machine/test_threads.py
-    model/test_fuzz.py model/test_kept.py model/test_printing.py
-    normalforms/test_multiple.py normalforms/test_two_modes.py problems/equilibria/test_labels.py
-    simulate/test_scan.py symbolic/test_averages_near_zero.py symbolic/test_averaging_one.py
-    symbolic/test_averaging_several.py symbolic/test_derivation.py symbolic/test_derived.py symbolic/test_reach.py
-    symbolic/test_remove_singularities.py symbolic/test_second_order.py symbolic/test_second_order_beside.py
+    continuation/test_beside_births.py continuation/test_frames.py continuation/test_over_corners.py
+    continuation/test_pairs_beside_ends.py continuation/test_planted_extrema.py kernels/test_lean.py
+    kernels/test_library.py loci/equilibria/test_invariance.py loci/equilibria/test_kernels_of_two_dimensions.py
+    loci/equilibria/test_near_crossings.py loci/equilibria/test_normal_forms.py loci/equilibria/test_poles_of_maps.py
+    loci/equilibria/test_published.py loci/equilibria/test_three_within_a_step.py lowering/test_alike.py
+    machine/test_no_libm.py machine/test_one_thread.py machine/test_threads.py model/test_fuzz.py model/test_kept.py
+    model/test_printing.py normalforms/test_interacting_modes_of_maps.py normalforms/test_multiple.py
+    normalforms/test_two_modes.py problems/equilibria/test_labels.py simulate/test_scan.py
+    symbolic/test_averages_near_zero.py symbolic/test_averaging_one.py symbolic/test_averaging_several.py
+    symbolic/test_derivation.py symbolic/test_derived.py symbolic/test_reach.py symbolic/test_remove_singularities.py
+    symbolic/test_second_order.py symbolic/test_second_order_beside.py systems/functions/test_errors_of_differences.py
     systems/functions/test_few_states.py systems/functions/test_foreign_arrays.py systems/functions/test_grain.py
     systems/functions/test_processes.py systems/functions/test_trials.py
 """.split()
