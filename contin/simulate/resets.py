@@ -93,10 +93,11 @@ class _WithClock:
 @dataclass(frozen=True, eq=False)
 class _Sides:
     """On which side of zero each `when` is; `allowed`: how long an event just landed on may take to leave its surface,
-    -1 of all others."""
+    -1 of all others; `reach`: the largest |when| that were looked at, up to an event."""
 
     signs: Array
     allowed: Array
+    reach: Array
 
 
 def fly_with_events(
@@ -110,14 +111,14 @@ def fly_with_events(
     boxes = np.append(np.full(u.size, box), np.full(1 + count, np.inf))
     flow = _WithClock(model, system, p, rtol, errors, boxes)
     y, t, length = np.append(u, np.zeros(1 + count)), 0.0, duration / PARTS
-    sides, reach = _first_sides(flow, y), np.zeros(count)
+    sides = _first_sides(flow, y)
     kept_t, kept_u, steps, crossed = [times[:0]], [np.empty((0, y.size))], 0, 0
     jumps: list[Jump] = []
     why = ""
     while True:
         end = duration if t + length >= duration * (1.0 - AT_ONCE) else t + length
         y[u.size :] = flow.begun(y, t, length)
-        reach = np.maximum(reach, np.abs(y[u.size + 1 :]))
+        sides = replace(sides, reach=np.maximum(sides.reach, np.abs(y[u.size + 1 :])))
         wanted = times[(times > t if t > 0.0 else times >= 0.0) & (times <= end)]
         flight = flow.fly(y, t, end, wanted, max(budget - steps, 1))
         if flight.crossed > CROSSINGS:
@@ -141,7 +142,7 @@ def fly_with_events(
             length = min(2.0 * length, duration / PARTS)
             continue
         begun = jumps[-1].time if jumps else 0.0
-        happened, y, sides, why = _jumped(flow, y, t, fired, t - begun, reach)
+        happened, y, sides, why = _jumped(flow, y, t, fired, t - begun, sides.reach)
         jumps += happened
         why = why or _accumulation(jumps)
         if why or steps >= budget or is_last:
@@ -181,7 +182,12 @@ def clocked(model: Model) -> Model:
 def _first_sides(flow: _WithClock, y: Array) -> _Sides:
     when, rate = flow.seen(y[None, :], np.zeros(1))
     signs = np.where(when[0] != 0.0, np.sign(when[0]), np.sign(rate[0]))
-    return _Sides(signs, np.full(signs.size, -1.0))
+    return _free(signs, np.zeros(signs.size))
+
+
+def _free(signs: Array, reach: Array) -> _Sides:
+    """No event was landed on just now."""
+    return _Sides(signs, np.full(signs.size, -1.0), reach)
 
 
 def _next_event(
@@ -210,9 +216,9 @@ def _next_event(
         signs[0, k] = last[k]
     beside = (flown.t - t)[:, None] <= sides.allowed  # another event may cut so short a time into pieces
     signs = np.where(beside, last, signs)
-    when_first = end
+    when_first, reach = end, sides.reach
     fired: list[int] = []
-    for place, found in zip(places, signs, strict=False):
+    for place, found, heights in zip(places, signs, np.abs(when), strict=False):
         now = np.where(found == 0.0, last, found)  # an interval as short as rounding, or a solution along the surface
         if fired and place - when_first > AT_ONCE * max(abs(place), end - t):
             break
@@ -220,8 +226,8 @@ def _next_event(
         if new and not fired:
             when_first = float(place)
         fired += [k for k in new if k not in fired]
-        last = now
-    return when_first, tuple(sorted(fired)), _Sides(last, np.full(last.size, -1.0)), ""
+        last, reach = now, reach if fired else np.fmax(reach, heights)
+    return when_first, tuple(sorted(fired)), _free(last, reach), ""
 
 
 def _cut(flow: _WithClock, flight: Flight, y: Array, t: float, when: float, wanted: Array) -> Flight:
@@ -277,11 +283,11 @@ def _jumped(
     while fired:
         after = _after(flow, y, t, fired)
         if isinstance(after, str):
-            return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), after
+            return jumps, y, _free(np.sign(before), reach), after
         jumps.append(Jump(t, fired, y[:n].copy(), after[:n].copy()))
         y = after
         if not np.isfinite(y).all():
-            return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), "a jump leads to no finite state"
+            return jumps, y, _free(np.sign(before), reach), "a jump leads to no finite state"
         when, last = (a[0] for a in flow.seen(y[None, :], at))
         small = _rounding(landed, slope, interval, t, reach)
         carried = [
@@ -292,16 +298,16 @@ def _jumped(
         fired, before = tuple(carried), when
         ever |= set(fired)
         if len(jumps) > CHAIN:
-            return jumps, y, _Sides(np.sign(when), np.full(when.size, -1.0)), "events fire each other without end"
+            return jumps, y, _free(np.sign(when), reach), "events fire each other without end"
     small = _rounding(landed, slope, interval, t, reach)
     on = np.array([k in ever and abs(before[k]) <= small[k] for k in range(before.size)])
     if bool((on & (np.abs(last) <= AT_ONCE * np.abs(slope))).any()):
         k = int(np.flatnonzero(on & (np.abs(last) <= AT_ONCE * np.abs(slope)))[0])
         why = f"the jump leaves the solution on its own surface: {_named(flow, k)} stays zero, or touches it"
-        return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), why
+        return jumps, y, _free(np.sign(before), reach), why
     with np.errstate(divide="ignore", invalid="ignore"):
         leave = 8.0 * small / np.abs(last) + 8.0 * np.spacing(t)
-    return jumps, y, _Sides(np.where(on, np.sign(last), np.sign(before)), np.where(on, leave, -1.0)), ""
+    return jumps, y, _Sides(np.where(on, np.sign(last), np.sign(before)), np.where(on, leave, -1.0), reach), ""
 
 
 def _rounding(landed: Array, slope: Array, interval: float, t: float, reach: Array) -> Array:

@@ -172,3 +172,14 @@ def test_two_events_as_good_as_at_once_each_ring_once_a_turn(apart):
     assert found.complete, found.why
     rung = [k for jump in found.jumps for k in jump.events]
     assert rung.count(0) == rung.count(1) == 64
+
+
+@pytest.mark.parametrize("height", [0.0, 1e-9])
+def test_a_flight_that_begins_on_its_surface_has_its_height_on_the_way(height):
+    """x'' = -1 thrown up at speed 1 from a floor at .3 that rounding moves: every 2, also when first seen below it."""
+    model = contin.Model(
+        "ball", states={"x": 0.3 + height, "v": 1.0}, parameters={"A": 0.3}, equations={"x": "v", "v": "-1"},
+        events=[{"when": "x - A", "direction": "both", "set": {"x": "sqrt(A)*sqrt(A)", "v": "-v"}}],
+    )  # fmt: skip
+    found = contin.simulate(model, time=301.0)
+    np.testing.assert_allclose([jump.time for jump in found.jumps], 2.0 * np.arange(1, 151), atol=1e-6)

@@ -14,6 +14,7 @@ from contin.lowering.system import CompiledSystem, compile_in_time
 from contin.model.expression import ZERO, Expression, depends_on, div, mul, number, substitute, symbol
 from contin.model.parts import TIME, Event, State
 from contin.model.printing import to_text
+from contin.simulate.resets import SENSES
 from contin.simulate.section import Section
 from contin.symbolic.calculus.derivatives import derivative
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 PHASE: Final = "phase of the forcing"  # no name in a model contains a blank
 ONE: Final = number(1)
 BESIDE: Final = 1e-6  # of the states' sizes: simulations are more accurate
-WAYS: Final = {"up": 1, "down": -1, "both": 0}
 
 
 def autonomous(model: Model) -> Model:
@@ -139,7 +139,7 @@ class HybridFlow:
             return None
         with np.errstate(all="ignore"):  # what other formulas are at the origin
             row = self._seen_here(k, np.zeros(self.n), p)
-        section = Section(row[1 : 1 + self.n], -float(row[0]), WAYS[self.model.events[k].direction])
+        section = Section(row[1 : 1 + self.n], -float(row[0]), int(sum(SENSES[self.model.events[k].direction])))
         return section if np.isfinite(row[: 1 + self.n]).all() and section.normal.any() else None
 
     def jumped(self, k: int, u: Array, p: Array) -> tuple[Array, Array]:
