@@ -343,7 +343,8 @@ def _accumulation(jumps: list[Jump]) -> str:
     if len(gaps) < RUN or not (gaps[-RUN:] > 0.0).all():
         stuck = len(gaps) >= CHAIN and float(gaps[-CHAIN:].max()) <= 4.0 * np.spacing(times[-1])
         return f"{CHAIN} events without time between them" if stuck else ""
-    ratios = gaps[1:] / gaps[:-1]
+    with np.errstate(divide="ignore", invalid="ignore"):  # events at the same time
+        ratios = gaps[1:] / gaps[:-1]
     growing = np.flatnonzero(~(ratios < 1.0))
     begin = int(growing[-1]) + 1 if len(growing) else 0
     if len(gaps) - begin < RUN:
